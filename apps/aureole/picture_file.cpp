@@ -5,8 +5,8 @@
 
 namespace aureole {
 
-Image read_picture(const std::string& file) {
-  Image image = read_image(file);
+Image read_picture(const std::string& file, ExrAttributes* attributes) {
+  Image image = read_image(file, attributes);
   for (const std::string& note : image.notes) fmt::print(stderr, "note: {}: {}\n", file, note);
   return image;
 }

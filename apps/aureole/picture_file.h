@@ -9,6 +9,6 @@
 namespace aureole {
 
 /// Reads a picture and prints how its file was understood, where that is not obvious.
-Image read_picture(const std::string& file);
+Image read_picture(const std::string& file, ExrAttributes* attributes = nullptr);
 
 }  // namespace aureole

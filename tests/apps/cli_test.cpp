@@ -210,6 +210,53 @@ TEST_F(Cli, CompareTellsSameFromDifferent) {
   EXPECT_EQ(run({"compare", file("a.exr"), file("none.exr")}).exit_code, 2);
 }
 
+TEST_F(Cli, CompareJudgesFewReplicatesByStudentsT) {
+  const std::string s = scene(small_scene_text());
+  const auto file = [&](const std::string& name) { return (folder.path / name).string(); };
+  const auto render = [&](const std::string& name, const std::string& replicates, const std::string& seed) {
+    ASSERT_EQ(run({"render", s, "-o", file(name), "--replicates", replicates, "--spp", "16", "--seed", seed,
+                   "--sampler", "independent"})
+                  .exit_code,
+              0);
+  };
+  for (const char* n : {"2", "3", "4"}) {
+    render("a.exr", n, "1");
+    render("b.exr", n, "2");
+    const Outcome same = run({"compare", file("a.exr"), file("b.exr")});
+    EXPECT_EQ(same.exit_code, 0) << n << ": " << same.output;
+    EXPECT_NE(same.output.find("the same within noise"), std::string::npos) << same.output;
+  }
+  // Variances of two replicates against a picture without variances, one degree of freedom, judge nothing.
+  render("a.exr", "2", "1");
+  render("one.exr", "1", "2");
+  const Outcome few = run({"compare", file("a.exr"), file("one.exr")});
+  EXPECT_NE(few.output.find("UNDECIDED: the variances are those of too few"), std::string::npos)
+      << few.output;
+  EXPECT_EQ(few.exit_code, 1);
+}
+
+TEST_F(Cli, CompareTakesLayersOneByOne) {
+  Image a{2,
+          1,
+          {"R", "G", "B", "depth.T", "albedo.R", "albedo.A", "variance.R"},
+          std::vector<float>(14, 0.5f),
+          false};
+  Image b = a;
+  b.at(1, 0, 3) = 100;
+  write_exr(folder.path / "a.exr", a, ExrPixel::float32, {});
+  write_exr(folder.path / "b.exr", b, ExrPixel::float32, {});
+  const Outcome r = run({"compare", (folder.path / "a.exr").string(), (folder.path / "b.exr").string()});
+  const auto section = [&](const std::string& layer) {
+    const std::size_t from = r.output.find("layer      " + layer + "\n");
+    if (from == std::string::npos) return std::string();
+    return r.output.substr(from, r.output.find("\nlayer", from) - from);
+  };
+  EXPECT_NE(section("colour").find("verdict    identical"), std::string::npos) << r.output;
+  EXPECT_NE(section("albedo").find("channels   albedo.R\n"), std::string::npos) << r.output;
+  EXPECT_NE(section("albedo").find("verdict    identical"), std::string::npos) << r.output;
+  EXPECT_NE(section("depth").find("max        99.5 at (1, 0)"), std::string::npos) << r.output;
+}
+
 TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   const std::string s = scene(small_scene_text(160, 120));
   const std::string whole = (folder.path / "whole.exr").string();

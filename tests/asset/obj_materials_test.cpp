@@ -178,6 +178,73 @@ TEST_F(ObjMaterials, HighlightsAndOpacity) {
   EXPECT_EQ(notes(s).find("opacity") == std::string::npos, has("mask"));
 }
 
+TEST_F(ObjMaterials, PhysicalStatementsAreAPrincipledBsdf) {
+  Image grey{1, 1, {"Y"}, {0.25f}, false};
+  write_exr(folder_ / "rough.exr", grey, ExrPixel::float32, {});
+  write(
+      "a.mtl",
+      "newmtl red\nKd .8 .6 .4\nKs .5 .5 .5\nNs 250\nNi 1.45\nd 1\nillum 3\nPr .4\nPm .9\nPs .1\nPc .2\nPcr .1\n"
+      "aniso .3\nanisor 0\nKe 0 0 0\nnewmtl blue\nKd .2 .2 .2\nPm 1.5\nmap_Pr rough.exr\nmap_Bump -bm 1 n.png\n");
+  const LoadedScene s = load("");
+  const auto bsdf = [&](float x) { return s.scene->intersect({{x, 0.5f, 5}, {0, 0, -1}})->surface->bsdf; };
+  EXPECT_EQ(types(bsdf(0.4f)->properties()), "twosided principled");
+  EXPECT_EQ(types(bsdf(1.4f)->properties()), "twosided principled");
+  // The same values as the BSDF of the scene.
+  const LoadedScene own = load(
+      "",
+      R"(<bsdf type="twosided" id="red"><bsdf type="principled"><rgb name="base_color" value=".8, .6, .4"/>
+    <float name="roughness" value=".4"/><float name="metallic" value=".9"/><float name="sheen" value=".1"/>
+    <float name="clearcoat" value=".2"/><float name="clearcoat_gloss" value=".9"/><float name="anisotropic" value=".3"/>
+    <float name="eta" value="1.45"/></bsdf></bsdf>
+    <bsdf type="twosided" id="blue"><bsdf type="principled"><rgb name="base_color" value=".2"/>
+    <float name="roughness" value=".25"/><float name="metallic" value="1"/></bsdf></bsdf>)");
+  for (const float x : {0.4f, 1.4f}) EXPECT_NEAR(seen(s, x, 0.5f)[0], seen(own, x, 0.5f)[0], 1e-4) << x;
+  EXPECT_NE(notes(s).find("map_Bump ignored"), std::string::npos) << notes(s);
+  EXPECT_NE(notes(s).find("Pm is cut to [0, 1]"), std::string::npos) << notes(s);
+  EXPECT_EQ(notes(s).find("\"red\""), std::string::npos) << notes(s);
+}
+
+TEST_F(ObjMaterials, MapsAreScaledAndMoved) {
+  // Columns of 0.1, 0.2, 0.3, 0.4, in the row at the bottom ten times less.
+  Image picture{4, 2, {"Y"}, {0.1f, 0.2f, 0.3f, 0.4f, 0.01f, 0.02f, 0.03f, 0.04f}, false};
+  write_exr(folder_ / "p.exr", picture, ExrPixel::float32, {});
+  const auto at = [&](const std::string& options, float x, float y) {
+    write("a.mtl", "newmtl red\nmap_Kd " + options + " p.exr\nnewmtl blue\nKd 1 1 1\n");
+    return seen(load(""), x, y)[0];
+  };
+  // Texel centres: u = 1/8 is the first column; v = 1/4 of the file the lower row.
+  EXPECT_NEAR(at("", 0.125f, 0.25f), 0.01f, 1e-5);
+  EXPECT_NEAR(at("", 0.125f, 0.75f), 0.1f, 1e-5);
+  EXPECT_NEAR(at("-o 0.25 0 0", 0.125f, 0.25f), 0.02f, 1e-5);
+  EXPECT_NEAR(at("-o 0.25 0.5 0", 0.125f, 0.25f), 0.2f, 1e-5);
+  EXPECT_NEAR(at("-s 3 1 1", 0.125f, 0.25f), 0.02f, 1e-5);
+  EXPECT_NEAR(at("-s 1 3 1", 0.125f, 0.25f), 0.1f, 1e-5);
+  EXPECT_NEAR(at("-s 1 3 1 -o 0.5", 0.125f, 0.25f), 0.3f, 1e-5);
+  EXPECT_NEAR(at("-clamp on -o 9 0", 0.125f, 0.25f), 0.04f, 1e-5);
+}
+
+TEST_F(ObjMaterials, NamesMayHaveBlanks) {
+  write("my lib.mtl", "\xEF\xBB\xBFnewmtl wood dark\nKd .1 .1 .1\nnewmtl wood light\nKd .6 .6 .6\n");
+  std::string obj = kObj;
+  obj.replace(obj.find("a.mtl"), 5, "my lib.mtl");
+  obj.replace(obj.find("usemtl red"), 10, "usemtl wood dark ");
+  obj.replace(obj.find("usemtl blue"), 11, "usemtl wood light");
+  const LoadedScene s = load("", "", obj);
+  EXPECT_NEAR(seen(s, 0.4f, 0.5f)[0], 0.1f, 1e-6f);
+  EXPECT_NEAR(seen(s, 1.4f, 0.5f)[0], 0.6f, 1e-6f);
+}
+
+TEST_F(ObjMaterials, NothingIsDroppedInSilence) {
+  write(
+      "a.mtl",
+      "newmtl red\nKd 2 0 0\nillum 7\nmap_Ks a.png\nmap_Kd -mm 0 2 -imfchan r b.png\nfoo 1\nd -halo 1\nnewmtl blue\n"
+      "Ka 1 1 1\nKe 3 0 0\n");
+  const std::string all = notes(load(""));
+  for (const char* part : {"Kd is cut", "glass of illum 7", "map_Ks", "map_Kd -mm", "map_Kd -imfchan", "foo",
+                           "-halo of d", "Ke (give the shape an emitter)"})
+    EXPECT_NE(all.find(part), std::string::npos) << part << "\n" << all;
+}
+
 TEST_F(ObjMaterials, BadMtlFilesAreNotes) {
   const auto with = [&](const std::string& text) {
     write("a.mtl", text);
@@ -206,7 +273,7 @@ TEST_F(ObjMaterials, WhatAnMtlFileSays) {
   EXPECT_EQ(all.at("b").exponent, 12);
   EXPECT_EQ(all.at("b").specular[2], 0.5);
   EXPECT_EQ(all.at("b").ignored, "");
-  EXPECT_EQ(all.at("c").ignored, "Ke, refl");
+  EXPECT_EQ(all.at("c").ignored, "Ke (give the shape an emitter), refl");
 }
 
 }  // namespace

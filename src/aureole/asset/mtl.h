@@ -6,23 +6,51 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/shape/mesh/mesh_file.h"
 
 namespace aureole {
 
+/// A picture of a map statement, and the options that are applied.
+struct MtlMap {
+  std::filesystem::path file;                       ///< empty: none
+  std::array<double, 2> scale{1, 1}, offset{0, 0};  ///< -s, -o: the coordinates are scale (u, v) + offset
+  bool clamp = false;                               ///< -clamp on
+
+  bool operator==(const MtlMap&) const = default;
+};
+
 /// The supported statements of a material; others are listed in `ignored`.
 struct MtlMaterial {
   std::array<double, 3> diffuse{0.5, 0.5, 0.5};  ///< Kd
   std::array<double, 3> specular{0, 0, 0};       ///< Ks
-  double exponent = 0;                           ///< Ns
-  double opacity = 1;                            ///< d, or 1 - Tr
+  bool has_specular = false;
+  double exponent = 0;  ///< Ns
+  double opacity = 1;   ///< d, or 1 - Tr
+  double index = 0;     ///< Ni; 0: not stated
   bool has_d = false;
-  int illumination = 2;               ///< illum; below 2: no highlights
-  std::filesystem::path diffuse_map;  ///< map_Kd; empty: none
-  std::filesystem::path opacity_map;  ///< map_d
-  std::string ignored;                ///< keywords, separated by commas
+  int illumination = 2;  ///< illum; below 2: no highlights
+  MtlMap diffuse_map;    ///< map_Kd
+  MtlMap opacity_map;    ///< map_d
+
+  /// Statements of the extension for physically based shading, with their default where none is stated.
+  bool is_physical = false;                          ///< whether one of them is in the file
+  double roughness = 0.5;                            ///< Pr
+  double metallic = 0;                               ///< Pm
+  double sheen = 0;                                  ///< Ps
+  double clearcoat = 0, clearcoat_roughness = 0.03;  ///< Pc, Pcr
+  double anisotropy = 0;                             ///< aniso
+  double transmission = 0;                           ///< Tf, where the material is physical
+  MtlMap roughness_map, metallic_map, sheen_map, clearcoat_map;
+
+  std::string ignored;             ///< keywords and options, separated by commas
+  std::vector<std::string> notes;  ///< on values that were changed
+
+  std::array<const MtlMap*, 6> maps() const {
+    return {&diffuse_map, &opacity_map, &roughness_map, &metallic_map, &sheen_map, &clearcoat_map};
+  }
 
   bool operator==(const MtlMaterial&) const = default;
 };

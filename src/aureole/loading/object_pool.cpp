@@ -48,7 +48,8 @@ public:
   BsdfPtr material(const Properties& geometry, const std::string& name,
                    const MtlMaterial& material) override {
     Material& kept = entry_->materials[name];
-    const std::vector<std::uint64_t> files = {stamp(material.diffuse_map), stamp(material.opacity_map)};
+    std::vector<std::uint64_t> files;
+    for (const MtlMap* map : material.maps()) files.push_back(stamp(map->file));
     if (!kept.bsdf || !(kept.made_of == material) || kept.files != files)
       kept = {material, files, GeometrySource::material(geometry, name, material)};
     return kept.bsdf;

@@ -128,14 +128,26 @@ void ObjReader::face(Scanner& s) {
 
 void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
   if (keyword == "usemtl") {
-    const auto [found, is_new] = material_index_.try_emplace(std::string(s.word()), materials_.size());
+    const auto [found, is_new] = material_index_.try_emplace(std::string(s.rest()), materials_.size());
     if (is_new) materials_.push_back(found->first);
     material_ = found->second;
     d_.materials.resize(d_.triangles.size(), 0);  // faces before the first statement
     return;
   }
   if (keyword == "mtllib") {
-    for (std::string_view name = s.word(); !name.empty(); name = s.word()) libraries_.emplace_back(name);
+    // One name that has blanks, or several.
+    const auto add = [&](std::string_view name) {
+      std::string path(name);
+      std::replace(path.begin(), path.end(), '\\', '/');
+      libraries_.push_back(std::move(path));
+    };
+    std::error_code ignored;
+    Scanner whole = s;
+    const std::filesystem::path folder = file_.path().parent_path();
+    if (const std::string_view name = whole.rest(); std::filesystem::exists(folder / name, ignored))
+      add(name);
+    else
+      for (std::string_view word = s.word(); !word.empty(); word = s.word()) add(word);
     return;
   }
   static const std::set<std::string, std::less<>> kKnown = {"g", "o", "s", "maplib", "usemap", "shadow_obj"};
@@ -237,11 +249,12 @@ private:
 AUREOLE_PLUGIN(
     Obj, "shape", "obj",
     PluginDoc{
-        .summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (convex or not) "
-                   "and negative indices. Groups are ignored. A nested bsdf applies to the whole mesh. "
-                   "Without one (and without an emitter) each material of the file is the BSDF of the scene "
-                   "that has its name as id, or is made from the .mtl file: Kd, map_Kd, Ks, Ns, d, map_d. "
-                   "Without vn, normals are computed from positions, weighted by angle.",
+        .summary =
+            "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (convex or not) "
+            "and negative indices. Groups are ignored. A nested bsdf applies to the whole mesh. "
+            "Without one (and without an emitter) each material of the file is the BSDF of the scene "
+            "that has its name as id, or is made from the .mtl file: Kd, map_Kd, Ks, Ns, d, map_d, and as `principled` Pr, Pm, Ps, Pc, Pcr, aniso and their maps. "
+            "Without vn, normals are computed from positions, weighted by angle.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
         .parameters = mesh_parameters({{"filename", "file", "", "required", "the OBJ file"},
                                        {"flip_tex_coords", "boolean", "", "true",

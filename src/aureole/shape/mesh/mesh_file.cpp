@@ -41,6 +41,15 @@ std::string_view Scanner::word() {
   return {start, std::size_t(at - start)};
 }
 
+std::string_view Scanner::rest() {
+  skip_blanks();
+  const char* last = end;
+  while (last > at && (last[-1] == ' ' || last[-1] == '\t' || last[-1] == '\r' || last[-1] == '\n')) --last;
+  const std::string_view text(at, std::size_t(last - at));
+  at = end;
+  return text;
+}
+
 bool Scanner::number(double& value) {
   skip_blanks();
   const char* start = at < end && *at == '+' ? at + 1 : at;

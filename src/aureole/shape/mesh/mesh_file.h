@@ -56,6 +56,8 @@ struct Scanner {
   }
   /// Returns the next word, empty at the end.
   std::string_view word();
+  /// Returns what is left, without blanks around it.
+  std::string_view rest();
   /// Reads a number. If there is none it returns false and consumes only blanks. Infinities and NaN are
   /// numbers here.
   bool number(double& value);
