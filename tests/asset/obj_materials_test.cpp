@@ -189,7 +189,7 @@ TEST_F(ObjMaterials, PhysicalStatementsAreAPrincipledBsdf) {
   const auto bsdf = [&](float x) { return s.scene->intersect({{x, 0.5f, 5}, {0, 0, -1}})->surface->bsdf; };
   EXPECT_EQ(types(bsdf(0.4f)->properties()), "twosided principled");
   EXPECT_EQ(types(bsdf(1.4f)->properties()), "twosided principled");
-  // The same values as the BSDF of the scene.
+  // A BSDF of the scene with these parameters has the same values.
   const LoadedScene own = load(
       "",
       R"(<bsdf type="twosided" id="red"><bsdf type="principled"><rgb name="base_color" value=".8, .6, .4"/>

@@ -152,6 +152,32 @@ TEST(Upgrade, EmittersKeepTheirNamesInSnakeCase) {
   EXPECT_TRUE(u.notes().empty());
 }
 
+TEST(Upgrade, CoatingsAreLayersOfTheSameOpticalThickness) {
+  Upgraded u(
+      "<bsdf type='coating'><float name='intIOR' value='1.7'/><float name='thickness' value='2'/><rgb "
+      "name='sigmaA' value='0.1, 0.2, 0.3'/><bsdf type='diffuse'/></bsdf>");
+  EXPECT_EQ(u.node().get("type"), "layered");
+  EXPECT_EQ(value_of(u, "int_ior"), "1.7");
+  EXPECT_EQ(value_of(u, "thickness"), "10um");
+  EXPECT_EQ(value_of(u, "alpha"), "0");
+  Node medium;
+  for (const Node& child : u.node().children)
+    if (child.tag == "medium") medium = child;
+  ASSERT_TRUE(medium.named_child("sigma_t"));
+  EXPECT_EQ(medium.named_child("sigma_t")->get("value"), "0.1, 0.2, 0.3");
+  EXPECT_NEAR(std::stod(medium.named_child("scale")->get("value")) * 1e-5, 2, 1e-12);
+  EXPECT_EQ(medium.named_child("albedo")->get("value"), "0");
+  EXPECT_EQ(u.notes().size(), 1u);
+
+  Upgraded rough("<bsdf type='roughcoating'><float name='alpha' value='0.2'/><bsdf type='diffuse'/></bsdf>");
+  EXPECT_EQ(value_of(rough, "alpha"), "0.2");
+  EXPECT_EQ(value_of(rough, "int_ior"), "bk7");
+  Upgraded smooth(
+      "<bsdf type='roughcoating'><float name='alpha' value='0.01'/><bsdf type='diffuse'/></bsdf>");
+  EXPECT_EQ(value_of(smooth, "alpha"), "0");
+  EXPECT_EQ(smooth.notes().size(), 2u);
+}
+
 TEST(Upgrade, SkyAndSun) {
   Upgraded sky(
       "<emitter type='sky'><float name='scale' value='3'/><integer name='resolution' "

@@ -121,6 +121,28 @@ TEST_F(ObjTest, PolygonsThatIntersectThemselvesAreNoted) {
   EXPECT_EQ(shape_->primitive_count(), 0u);
 }
 
+TEST_F(ObjTest, CreasesAreSharp) {
+  // A roof: two squares that meet at the y axis with normals 60 degrees apart.
+  const std::string roof =
+      "v 0 0 0\nv 0 1 0\nv 0.8660254 1 -0.5\nv 0.8660254 0 -0.5\nv -0.8660254 1 -0.5\n"
+      "v -0.8660254 0 -0.5\nf 1 4 3 2\nf 1 2 5 6\n";
+  for (const auto& [angle, z] : {std::pair{59.0, std::sqrt(0.75)}, {61.0, 1.0}}) {
+    const auto shape = builder(roof).set("max_smooth_angle", angle).build();
+    const auto hit = test::OneShapeScene(*shape).intersect({{1e-4f, 0.5f, 1}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->point.shading.n.z, z, 1e-3) << angle;
+  }
+}
+
+TEST_F(ObjTest, RecenteredFilesFillTheBoxFromMinusOneToOne) {
+  const auto shape = builder("v 10 0 0\nv 14 0 0\nv 14 2 0\nf 1 2 3\n")
+                         .set("recenter", true)
+                         .to_world(Transform::translate(0, 0, 5))
+                         .build();
+  EXPECT_EQ(shape->bounds().lower, (Vec3{-1, -0.5f, 5}));
+  EXPECT_EQ(shape->bounds().upper, (Vec3{1, 0.5f, 5}));
+}
+
 TEST_F(ObjTest, SeamsOfTextureCoordinatesDoNotSplitPositions) {
   const Mesh& m =
       mesh(std::string(kSquare) + "vt 0 0\nvt 1 0\nvt 1 1\nvt .5 .5\nf 1/1 2/2 3/3\nf 1/4 3/3 4/1\n");

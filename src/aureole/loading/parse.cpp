@@ -248,12 +248,17 @@ fs::path find_file(const std::string& filename, const SourceFile& from,
   const fs::path name = filename;
   std::error_code ignored;
   if (filename.empty()) return {};
-  if (name.is_absolute()) return fs::exists(name, ignored) ? name : fs::path();
+  const auto of_windows = [&] {  // a name with backslashes that is no name as it stands
+    std::string slashed = filename;
+    std::replace(slashed.begin(), slashed.end(), '\\', '/');
+    return slashed == filename ? fs::path() : find_file(slashed, from, folders);
+  };
+  if (name.is_absolute()) return fs::exists(name, ignored) ? name : of_windows();
   for (const SourceFile* f = &from; f; f = f->included_by.get())
     if (fs::exists(f->folder() / name, ignored)) return (f->folder() / name).lexically_normal();
   for (const fs::path& folder : folders)
     if (fs::exists(folder / name, ignored)) return (folder / name).lexically_normal();
-  return {};
+  return of_windows();
 }
 
 ParsedScene parse_scene(const fs::path& file, const std::optional<std::string>& text,

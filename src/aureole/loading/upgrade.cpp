@@ -8,6 +8,7 @@
 #include "aureole/loading/aliases.h"
 #include "aureole/loading/upgrade_adapters.h"
 #include "aureole/loading/upgrade_diffraction.h"
+#include "aureole/loading/upgrade_old_plugins.h"
 #include "aureole/loading/values.h"
 
 namespace aureole {
@@ -34,6 +35,12 @@ constexpr Dropped kDropped[] = {
     {"", "strict_normals"},
     {"", "intensity_distribution"},
     {"", "attach_log"},
+    {"medium", "method"},
+    {"", "step_size"},
+    {"", "step_size_factor"},
+    {"shape", "collapse"},
+    {"sampler", "scramble"},
+    {"volume", "send_data"},
 };
 
 bool is_object(const Node& node) { return !object_family(node).empty(); }
@@ -249,6 +256,7 @@ void upgrade_node(Node& node, Diagnostics& diagnostics) {
     Attribute* name = child.find("name");
     if (name && !is_film_text(name->value)) name->value = snake_case(name->value);
   }
+  if (node.tag == "spectrum" || is_object(node)) upgrade_old_plugin(node, diagnostics);
   if (!is_object(node)) return;
 
   const std::string type = node.get("type");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
@@ -222,8 +223,13 @@ public:
   explicit Obj(const Properties& properties) : Mesh(properties) {
     MeshFile file(properties);
     ObjReader reader(file, properties.get_bool("flip_tex_coords", true));
-    MeshData data = reader.read([this](double x, double y, double z) { return place_point(x, y, z); },
-                                [this](double x, double y, double z) { return place_normal(x, y, z); });
+    double center[3] = {0, 0, 0}, scale = 1;
+    if (properties.get_bool("recenter", false)) recenter(file, center, scale);
+    MeshData data = reader.read(
+        [&](double x, double y, double z) {
+          return place_point((x - center[0]) * scale, (y - center[1]) * scale, (z - center[2]) * scale);
+        },
+        [this](double x, double y, double z) { return place_normal(x, y, z); });
     for (std::string& remark : reader.remarks()) remarks_.push_back(std::move(remark));
     if (reader.materials().size() < 2) data.materials = {};
     build(std::move(data), "filename");
@@ -243,6 +249,25 @@ public:
   }
 
 private:
+  /// Finds the centre of all vertices, and the scale by which their largest extent becomes 2.
+  static void recenter(MeshFile& file, double (&center)[3], double& scale) {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (const char *at = file.begin(), *eof = file.end(); at < eof;) {
+      const char* newline = static_cast<const char*>(std::memchr(at, '\n', std::size_t(eof - at)));
+      Scanner s{at, newline ? newline : eof};
+      if (s.word() == "v")
+        for (int i = 0; i < 3; ++i)
+          if (double v; s.number(v)) low[i] = std::min(low[i], v), high[i] = std::max(high[i], v);
+      at = newline ? newline + 1 : eof;
+    }
+    double extent = 0;
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(low[i] + high[i])) return;
+      center[i] = 0.5 * (low[i] + high[i]), extent = std::max(extent, high[i] - low[i]);
+    }
+    if (extent > 0) scale = 2 / extent;
+  }
+
   std::shared_ptr<const FileMaterials> materials_;
 };
 
@@ -256,9 +281,12 @@ AUREOLE_PLUGIN(
             "that has its name as id, or is made from the .mtl file: Kd, map_Kd, Ks, Ns, d, map_d, and as `principled` Pr, Pm, Ps, Pc, Pcr, aniso and their maps. "
             "Without vn, normals are computed from positions, weighted by angle.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
-        .parameters = mesh_parameters({{"filename", "file", "", "required", "the OBJ file"},
-                                       {"flip_tex_coords", "boolean", "", "true",
-                                        "replace the texture coordinate v by 1 - v"}}),
+        .parameters = mesh_parameters(
+            {{"filename", "file", "", "required", "the OBJ file"},
+             {"flip_tex_coords", "boolean", "", "true", "replace the texture coordinate v by 1 - v"},
+             {"recenter", "boolean", "", "false",
+              "move the box of all vertices to the origin and scale its largest extent "
+              "to 2, before `to_world`"}}),
         .examples = {R"(<shape type="obj">
   <string name="filename" value="mesh.obj"/>
   <boolean name="face_normals" value="true"/>

@@ -18,9 +18,18 @@ std::shared_ptr<const AreaSampler> Curves::make_area_sampler(AreaUse use) const 
               "; use a cylinder or a mesh");
 }
 
+namespace {
+Error number_error(const MeshFile& file, const char* at) {
+  return file.error_at(at, "expected four numbers: x, y, z and the radius");
+}
+}  // namespace
+
 void Curves::read(const Properties& properties) {
   const MeshFile file(properties);
   const auto m = properties.get_transform("to_world").matrix();
+  const double radius = properties.get_float("radius", 0, Range::non_negative());
+  if (std::string_view(file.begin(), std::min<std::size_t>(file.size(), 11)) == "BINARY_HAIR")
+    throw file.error("is a binary file of hair; only text is read");
   std::size_t start = 0;  // first control point of the current curve
   const auto finish_curve = [&](const char* at) {
     const std::size_t n = points_.size() - start;
@@ -38,8 +47,12 @@ void Curves::read(const Properties& properties) {
       finish_curve(at);
     } else {
       double v[4];
-      for (double& x : v)
-        if (!s.number(x)) throw file.error_at(s.at, "expected four numbers: x, y, z and the radius");
+      for (int i = 0; i < 3; ++i)
+        if (!s.number(v[i])) throw number_error(file, s.at);
+      if (s.at_end() && radius > 0)
+        v[3] = radius;
+      else if (!s.number(v[3]))
+        throw number_error(file, s.at);
       if (!s.at_end()) throw file.error_at(s.at, "there is more than x, y, z and the radius");
       ControlPoint c;
       for (int i = 0; i < 3; ++i) c.p[i] = float(m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2] + m[i][3]);
@@ -97,6 +110,7 @@ Double3 CurveFrame::direction(float u) const {
 std::vector<ParameterDoc> curve_parameters() {
   return {{"filename", "file", "", "required",
            "text file of control points: a line x, y, z, radius for each, an empty line between curves"},
+          {"radius", "float", "", "0", "radius of control points that have none in the file; 0: an error"},
           {"bsdf", "bsdf", "", "diffuse of reflectance 0.5", "material of the surface"},
           {"emitter", "emitter", "", "none", "not supported: an error"},
           {"sensor", "sensor", "", "none", "not supported: an error"},

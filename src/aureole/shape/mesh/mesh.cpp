@@ -7,6 +7,7 @@
 #include <immintrin.h>
 #endif
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -108,6 +109,7 @@ Mesh::Mesh(const Properties& properties)
   flip_normals_ = properties.get_bool("flip_normals", false);
   reverse_winding_ = (to_world_.determinant3() < 0) != flip_normals_;
   face_normals_ = properties.get_bool("face_normals", false);
+  max_smooth_angle_ = properties.get_float("max_smooth_angle", 0, Range{0, 180});
 }
 
 Vec3 Mesh::place_point(double x, double y, double z) const {
@@ -128,7 +130,7 @@ Vec3 Mesh::place_normal(double x, double y, double z) const {
 
 void Mesh::build(MeshData data, std::string_view source) {
   data_ = std::move(data);
-  if (face_normals_) data_.normals = {}, data_.normal_triangles = {};
+  if (face_normals_ || max_smooth_angle_ > 0) data_.normals = {}, data_.normal_triangles = {};
   for (const TriangleIndices& t : data_.triangles)
     for (int k = 0; k < 3; ++k)
       if (const Vec3& p = data_.positions[t[k]]; !is_finite(p))
@@ -140,6 +142,8 @@ void Mesh::build(MeshData data, std::string_view source) {
     for (std::size_t i = 0; i < data_.triangles.size(); ++i) reverse(i);
   if (!data_.normals.empty())
     orient_by_vertex_normals();
+  else if (!face_normals_ && max_smooth_angle_ > 0)
+    compute_creased_normals();
   else if (!face_normals_)
     compute_vertex_normals();
   source_ = source;
@@ -262,6 +266,35 @@ void Mesh::compute_vertex_normals() {
   });
 }
 
+void Mesh::compute_creased_normals() {
+  const std::size_t n = data_.triangles.size();
+  const float least = std::cos(float(max_smooth_angle_) * kPi / 180) - 1e-6f;
+  std::vector<std::vector<std::uint32_t>> around(data_.positions.size());  // triangles at each vertex
+  std::vector<Vec3> facing(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const TriangleCorners c = corners(i);
+    const Double3 normal = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
+    facing[i] = normalize(normal).to_float();
+    for (const std::uint32_t v : data_.triangles[i]) around[v].push_back(std::uint32_t(i));
+  }
+  data_.normals.resize(3 * n), data_.normal_triangles.resize(n);
+  for_ranges(n, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t vertex = data_.triangles[i][k];
+        Vec3 sum;
+        for (const std::uint32_t j : around[vertex]) {
+          if (dot(facing[i], facing[j]) < least) continue;
+          const auto at = std::find(data_.triangles[j].begin(), data_.triangles[j].end(), vertex);
+          sum += weighted_normals(corners(j))[std::size_t(at - data_.triangles[j].begin())];
+        }
+        const float l2 = length_squared(sum);
+        data_.normals[3 * i + k] = l2 > 0 ? sum * (1 / std::sqrt(l2)) : Vec3{};
+        data_.normal_triangles[i][k] = std::uint32_t(3 * i + k);
+      }
+  });
+}
+
 RTCGeometry Mesh::make_geometry(RTCDevice device) const {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, data_.positions.data(), 0,
@@ -350,6 +383,10 @@ std::size_t Mesh::memory_bytes() const {
 
 std::vector<ParameterDoc> mesh_parameters(std::vector<ParameterDoc> own) {
   own.push_back({"face_normals", "boolean", "", "false", "ignore vertex normals: flat facets"});
+  own.push_back(
+      {"max_smooth_angle", "float", "degrees", "0",
+       "ignore vertex normals and smooth only facets at a vertex whose normals differ by no more; 0: "
+       "off"});
   return own;
 }
 

@@ -101,6 +101,7 @@ private:
   void reverse(std::size_t triangle);
   void orient_by_vertex_normals();
   void compute_vertex_normals();
+  void compute_creased_normals();
   const TriangleIndices& normal_triangle(std::size_t i) const {
     return data_.normal_triangles.empty() ? data_.triangles[i] : data_.normal_triangles[i];
   }
@@ -113,6 +114,7 @@ private:
   Vec3 tangent(std::uint32_t primitive) const;  ///< along dp/du; zero where texture coordinates are constant
   Transform to_world_;
   bool identity_ = true, reverse_winding_ = false, flip_normals_ = false, face_normals_ = false;
+  double max_smooth_angle_ = 0;  ///< in degrees; 0: vertex normals are used
   void find_planes();
 
   MeshData data_;
