@@ -229,9 +229,13 @@ TEST_F(ObjMaterials, NamesMayHaveBlanks) {
   obj.replace(obj.find("a.mtl"), 5, "my lib.mtl");
   obj.replace(obj.find("usemtl red"), 10, "usemtl wood dark ");
   obj.replace(obj.find("usemtl blue"), 11, "usemtl wood light");
-  const LoadedScene s = load("", "", obj);
-  EXPECT_NEAR(seen(s, 0.4f, 0.5f)[0], 0.1f, 1e-6f);
-  EXPECT_NEAR(seen(s, 1.4f, 0.5f)[0], 0.6f, 1e-6f);
+  for (const char* library : {"my lib.mtl", "none.mtl my\\ lib.mtl"}) {
+    std::string text = obj;
+    text.replace(text.find("my lib.mtl"), 10, library);
+    const LoadedScene s = load("", "", text);
+    EXPECT_NEAR(seen(s, 0.4f, 0.5f)[0], 0.1f, 1e-6f);
+    EXPECT_NEAR(seen(s, 1.4f, 0.5f)[0], 0.6f, 1e-6f);
+  }
 }
 
 TEST_F(ObjMaterials, NothingIsDroppedInSilence) {

@@ -327,6 +327,24 @@ TEST_F(ImageTest, SignedTiffKeepsItsOrder) {
   EXPECT_NE(error_of(path("c.tif")).find("sample format 5"), std::string::npos);
 }
 
+TEST_F(ImageTest, LogLuvTiffKeepsItsRange) {
+  TIFF* t = TIFFOpen(path("a.tif").c_str(), "w");
+  TIFFSetField(t, TIFFTAG_IMAGEWIDTH, 2), TIFFSetField(t, TIFFTAG_IMAGELENGTH, 1);
+  TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, 3), TIFFSetField(t, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_LOGLUV);
+  TIFFSetField(t, TIFFTAG_COMPRESSION, COMPRESSION_SGILOG),
+      TIFFSetField(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(t, TIFFTAG_SGILOGDATAFMT, SGILOGDATAFMT_FLOAT), TIFFSetField(t, TIFFTAG_ROWSPERSTRIP, 1);
+  float xyz[6] = {95.047f, 100, 108.883f, 0.33701f, 0.27782f, 0.13045f};
+  TIFFWriteScanline(t, xyz, 0);
+  TIFFClose(t);
+  const Image image = read_image(path("a.tif"));
+  ASSERT_EQ(image.channel_count(), 3u);
+  const float expected[6] = {100, 100, 100, 0.6f, 0.2f, 0.1f};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_NEAR(image.pixels[i], expected[i], 0.025f * expected[i] + 0.004f) << i;
+  EXPECT_FALSE(image.srgb_encoded);
+}
+
 TEST_F(ImageTest, StacksSayWhichSliceIsRead) {
   write_grey_tiff<std::uint8_t>(path("a.tif"), {10, 20}, SAMPLEFORMAT_UINT, 3);
   const Image image = read_image(path("a.tif"));

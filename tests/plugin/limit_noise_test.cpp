@@ -93,9 +93,12 @@ TEST_F(LimitNoiseFiles, PixelsOfMaps) {
   for (int x = 0; x < 20; ++x) image.at(x, 0, 0) = NAN;
   EXPECT_TRUE(has(of_picture<Texture>("texture type=\"bitmap\"", image).error, "22 of 200 pixels are NaN"));
   Image negative{2, 3, {"Y"}, {0.5f, -0.1f, 0.5f, 0.5f, 0.5f, 0.5f}};
+  EXPECT_TRUE(has(of_picture<Texture>("texture type=\"bitmap\"", negative).notes,
+                  "1 negative values of the picture, the first at column 1, row 0, count as 0"));
+  negative.at(0, 1, 0) = -0.25f;  // more than a tenth of all light
   EXPECT_TRUE(has(of_picture<Texture>("texture type=\"bitmap\"", negative).error, "column 1, row 0 is -0.1"));
   EXPECT_TRUE(has(of_picture<Emitter>("emitter type=\"envmap\"", negative).notes,
-                  "1 negative values of the picture, the first at column 1, row 0, count as 0"));
+                  "2 negative values of the picture, the first at column 1, row 0, count as 0"));
 }
 
 /// Numbers of plug-ins have the tolerance, too.

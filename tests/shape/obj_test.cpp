@@ -212,6 +212,24 @@ TEST_F(ObjTest, WhatIsRead) {
   EXPECT_NE(remarks[2].find("\"red\""), std::string::npos);  // and no face is blue
 }
 
+TEST_F(ObjTest, NormalsAndTextureCoordinatesMayFollowOrBeMissing) {
+  const std::string first = std::string(kSquare) + "f 1/1/1 2/2/1 3/3/1\n";
+  const Mesh& m = mesh(first + "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n");
+  EXPECT_EQ(m.data().uvs.size(), 3u);
+  EXPECT_EQ(m.data().uv_triangles[0], (TriangleIndices{0, 1, 2}));
+  EXPECT_TRUE(shape_->remarks().empty());
+  // A trailing slash, and files that name normals which they do not have.
+  EXPECT_TRUE(mesh(std::string(kSquare) + "vt 0 0\nf 1/1/ 2/1/ 3/1/\n").remarks().empty());
+  mesh(first + "vt 0 0\nvt 1 0\n");
+  ASSERT_EQ(shape_->remarks().size(), 2u);
+  EXPECT_NE(shape_->remarks()[0].find("1 corners of triangles refer to texture coordinates"),
+            std::string::npos);
+  EXPECT_NE(shape_->remarks()[1].find("3 corners of triangles refer to normals"), std::string::npos);
+  mesh("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
+  ASSERT_EQ(shape_->remarks().size(), 1u);
+  EXPECT_NE(shape_->remarks()[0].find("3 colours of vertices"), std::string::npos);
+}
+
 TEST_F(ObjTest, ErrorsNameTheParameterAndTheLine) {
   const auto expect = [&](const std::string& text, const std::string& part) {
     const std::string e = error(text);
@@ -222,8 +240,7 @@ TEST_F(ObjTest, ErrorsNameTheParameterAndTheLine) {
   expect("v 0 0 0\nv 1 x 0\n", "line 2");
   expect("v 0 0 0\nv 1 0 0\nf 1 2 3\n", "line 3: there is no vertex 3");
   expect(std::string(kSquare) + "f 1 2 0\n", "line 5: there is no vertex 0");
-  expect(std::string(kSquare) + "f 1/1 2/1 3/1\n", "no texture coordinate 1");
-  expect(std::string(kSquare) + "f 1//5 2//1 3//1\n", "no normal 5");
+  expect(std::string(kSquare) + "f 1/-1 2 3\n", "no texture coordinate -1");
   expect(std::string(kSquare) + "f 1 -9 3\n", "no vertex -9");
   expect(std::string(kSquare) + "f 1 2 3x\n", "malformed");
   expect("v 0 0 0\n", "no faces");

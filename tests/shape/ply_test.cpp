@@ -82,6 +82,14 @@ std::string binary_mesh(bool big, const char* u = "u", const char* v = "v") {
   return h + b.bytes;
 }
 
+TEST_F(PlyTest, LinesWithMoreNumbersThanPropertiesAreNoted) {
+  std::string text = ascii_square();
+  text.replace(text.find("4 0 1 2 3"), 9, "4 0 1 2 3 9 1 1 1");
+  EXPECT_EQ(mesh(text).primitive_count(), 2u);
+  ASSERT_EQ(shape_->remarks().size(), 1u);
+  EXPECT_NE(shape_->remarks()[0].find("1 lines have more numbers"), std::string::npos);
+}
+
 TEST_F(PlyTest, ConcavePolygonsCoverTheirArea) {
   const std::string head = "ply\nformat ascii 1.0\n",
                     vertex = "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n",

@@ -26,8 +26,9 @@ void ignore(MtlMaterial& m, const std::string& what) { m.ignored += (m.ignored.e
 MtlMap read_map(Scanner& s, const std::filesystem::path& folder, const std::string& keyword, MtlMaterial& m) {
   // The maximum number of arguments of each option, all numbers except for -imfchan, -clamp, ...
   static const std::map<std::string, int, std::less<>> kOptions = {
-      {"-blendu", 1}, {"-blendv", 1}, {"-boost", 1}, {"-mm", 2},   {"-o", 3},       {"-s", 3}, {"-t", 3},
-      {"-texres", 1}, {"-clamp", 1},  {"-bm", 1},    {"-type", 1}, {"-imfchan", 1}, {"-cc", 1}};
+      {"-blendu", 1}, {"-blendv", 1},  {"-boost", 1},  {"-mm", 2},        {"-o", 3},
+      {"-s", 3},      {"-t", 3},       {"-texres", 1}, {"-clamp", 1},     {"-bm", 1},
+      {"-type", 1},   {"-imfchan", 1}, {"-cc", 1},     {"-colorspace", 1}};
   MtlMap map;
   s.skip_blanks();
   while (s.at < s.end && *s.at == '-') {
@@ -53,7 +54,8 @@ MtlMap read_map(Scanner& s, const std::filesystem::path& folder, const std::stri
       map.offset = {v[0], v[1]};
     else if (option == "-clamp")
       map.clamp = word == "on";
-    else if (!option.starts_with("-blend") && option != "-texres")  // these change no picture here
+    else if (!option.starts_with("-blend") && option != "-texres" &&
+             !(option == "-colorspace" && word == "sRGB"))  // these change no picture here
       ignore(m, keyword + " " + option);
     s.skip_blanks();
   }

@@ -112,7 +112,7 @@ Image read_converted(TIFF* tiff, const Layout& l) {
   if (!TIFFRGBAImageOK(tiff, why)) throw Error(std::string("this kind of TIFF is not supported: ") + why);
   std::vector<std::uint32_t> rgba(std::size_t(l.width) * l.height);
   if (!TIFFReadRGBAImageOriented(tiff, l.width, l.height, rgba.data(), ORIENTATION_TOPLEFT, 1))
-    throw Error("the TIFF is truncated or damaged");
+    throw Error("the TIFF is truncated or damaged, or of a kind that libtiff does not convert");
   return make_image(int(l.width), int(l.height), 4, true,
                     [&](std::size_t i) { return float(rgba[i / 4] >> (8 * (i % 4)) & 255) / 255; });
 }
@@ -174,15 +174,19 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   if (!TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &l.width) ||
       !TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &l.height))
     throw Error("damaged TIFF: no size");
+  TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &l.photometric);
+  // Logarithms of luminance and CIE u', v' are decoded to XYZ or Y in single precision.
+  const bool logarithmic = l.photometric == PHOTOMETRIC_LOGL || l.photometric == PHOTOMETRIC_LOGLUV;
+  if (logarithmic) TIFFSetField(tiff.get(), TIFFTAG_SGILOGDATAFMT, SGILOGDATAFMT_FLOAT);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_BITSPERSAMPLE, &l.bits);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, &l.samples);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLEFORMAT, &l.format);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &l.planar);
-  TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &l.photometric);
   const bool whole = l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
   const bool real = l.format == SAMPLEFORMAT_IEEEFP, is_signed = l.format == SAMPLEFORMAT_INT;
   const bool known_bits = l.bits == 16 || l.bits == 32 || l.bits == (real ? 64 : 8);
-  const bool known_colour = l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB;
+  const bool known_colour = 
+      l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB || logarithmic;
   const bool is_plain =
       known_bits && (whole || real || is_signed) && known_colour && l.samples >= 1 && l.samples <= 64;
   // No compression in use exceeds a ratio of some thousands.
@@ -190,6 +194,10 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   Image image;
   if (is_plain) {
     image = reoriented(read_plain(tiff.get(), l, whole), orientation(tiff.get()));
+    if (l.photometric == PHOTOMETRIC_LOGLUV && l.samples == 3)
+      image.conversion = {{3.2404542f, -1.5371385f, -0.4985314f, -0.9692660f, 1.8760108f, 0.0415560f,
+                           0.0556434f, -0.2040259f, 1.0572252f},  // IEC 61966-2-1
+                          {"colours of the LogLuv TIFF are converted to sRGB"}};
     if (is_signed)
       image.notes.push_back("signed integers of the TIFF are read as fractions of the largest: " +
                             std::to_string(l.bits == 8    ? 127

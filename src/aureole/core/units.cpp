@@ -49,6 +49,7 @@ double finite(double value, std::string_view text) {
 }  // namespace
 
 std::string shown_number(double value) { return fmt::format("{:.8g}", value); }
+std::string shown_number(float value) { return fmt::format("{}", value); }
 
 double parse_number(std::string_view text) {
   const auto [value, rest] = split(text);

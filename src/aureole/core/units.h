@@ -9,6 +9,7 @@ namespace aureole {
 
 /// Returns a number for a message, with so many digits that 1.0000001 differs from 1.
 std::string shown_number(double value);
+std::string shown_number(float value);
 
 /// Parses the whole of `text` as a number without a unit; throws Error. Accepts the input of strtod in the C
 /// locale except hex and "inf"/"nan".

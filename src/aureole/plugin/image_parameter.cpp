@@ -55,6 +55,10 @@ ImageParameter read_image_parameter(const Properties& p, ImageColors colors, std
   }
 }
 
+/// Negative values whose sum is less than this part of the positive ones come from resampling or from colours
+/// that sRGB does not have.
+constexpr double kNegativePart = 0.1;
+
 void mend_pixels(const Properties& p, std::string_view name, Image& image, PixelRange range) {
   const std::size_t channels = image.channel_count(), pixels = image.pixels.size() / channels;
   std::vector<std::size_t> used;
@@ -70,10 +74,16 @@ void mend_pixels(const Properties& p, std::string_view name, Image& image, Pixel
     for (const std::size_t c : used)
       if (const float v = image.pixels[i * channels + c]; std::isfinite(v))
         largest = std::max(largest, std::abs(v));
+  double above = 0, below = 0;
+  for (std::size_t i = 0; i < pixels; ++i)
+    for (const std::size_t c : used)
+      if (const float v = image.pixels[i * channels + c]; std::isfinite(v))
+        (v < 0 ? below : above) += std::abs(double(v));
   std::size_t bad = 0, first_bad = 0, negative = 0, first_negative = 0;
   constexpr double kNone = std::numeric_limits<double>::infinity();
   NoiseClamp clamp(range == PixelRange::any ? -kNone : 0, kNone, largest);
-  const bool cuts = range == PixelRange::radiance || (range == PixelRange::not_negative && image.conversion);
+  const bool cuts = range == PixelRange::radiance || (range == PixelRange::not_negative &&
+                                                      (image.conversion || below <= kNegativePart * above));
   for (std::size_t i = 0; i < pixels; ++i) {
     bool finite = true;
     for (const std::size_t c : used) {

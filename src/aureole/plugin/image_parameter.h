@@ -26,10 +26,9 @@ ImageParameter read_image_parameter(const Properties& properties, ImageColors co
 
 enum class PixelRange { any, not_negative, radiance };
 
-/// Makes single bad pixels of R, G, B or Y harmless, with notes at the parameter `name`: NaN becomes 0,
-/// infinity the largest finite value, and values that are below 0 by rounding become 0. In a radiance, and
-/// where the file had other primaries, so do all negative values; elsewhere the caller judges them. Throws
-/// Error if more than one pixel in a hundred is not finite.
+/// Makes bad pixels of R, G, B or Y harmless, with notes at the parameter `name`: NaN becomes 0, infinity the
+/// largest finite value, and negative values become 0 where they are radiances, or few (see kNegativePart);
+/// elsewhere the caller judges them. Throws Error if more than one pixel in a hundred is not finite.
 void mend_pixels(const Properties& properties, std::string_view name, Image& image, PixelRange range);
 
 /// Rows of the parameter table for `filename` and `data`.

@@ -36,7 +36,7 @@ private:
 
   char* end_of_line(char* at);
   double number(Scanner& s, const char* what);
-  std::uint32_t index(Scanner& s, std::size_t count, const char* what);
+  std::uint32_t index(Scanner& s, std::size_t count, const char* what, bool must_precede);
   void face(Scanner& s);
   void other(std::string_view keyword, Scanner& s, const char* line);
   void finish();
@@ -46,7 +46,7 @@ private:
   MeshData d_;
   std::vector<Corner> polygon_;
   std::vector<FannedPolygon> polygons_;
-  bool any_vt_ = false, any_vn_ = false, missing_vt_ = false, missing_vn_ = false;
+  std::size_t colored_vertices_ = 0;  ///< v statements with more than x, y, z and a weight
   std::size_t small_faces_ = 0;
   std::vector<std::string> materials_{""}, libraries_;
   std::map<std::string, std::uint32_t, std::less<>> material_index_;
@@ -79,11 +79,13 @@ double ObjReader::number(Scanner& s, const char* what) {
   return value;
 }
 
-std::uint32_t ObjReader::index(Scanner& s, std::size_t count, const char* what) {
+/// Reads an index and counts from 0. Positive indices may exceed `count` unless they must precede: what they
+/// refer to may follow in the file, or be missing.
+std::uint32_t ObjReader::index(Scanner& s, std::size_t count, const char* what, bool must_precede) {
   long long i;
   if (!s.integer(i)) throw file_.error_at(s.at, std::string("expected the index of a ") + what);
   const long long resolved = i < 0 ? i + (long long)count : i - 1;
-  if (i == 0 || resolved < 0 || resolved >= (long long)count)
+  if (i == 0 || resolved < 0 || resolved >= (must_precede ? (long long)count : (long long)kNone))
     throw file_.error_at(s.at, std::string("there is no ") + what + " " + std::to_string(i) + "; " +
                                    std::to_string(count) + " precede this line");
   return std::uint32_t(resolved);
@@ -92,13 +94,14 @@ std::uint32_t ObjReader::index(Scanner& s, std::size_t count, const char* what) 
 void ObjReader::face(Scanner& s) {
   polygon_.clear();
   for (s.skip_white(); s.at < s.end; s.skip_white()) {
-    Corner c{index(s, d_.positions.size(), "vertex"), kNone, kNone};
+    Corner c{index(s, d_.positions.size(), "vertex", true), kNone, kNone};
+    const auto is_given = [&] { return s.at < s.end && !std::strchr("/ \t\r\n", *s.at); };
     if (s.at < s.end && *s.at == '/') {
       ++s.at;
-      if (s.at < s.end && *s.at != '/' && *s.at != ' ') c.vt = index(s, d_.uvs.size(), "texture coordinate");
+      if (is_given()) c.vt = index(s, d_.uvs.size(), "texture coordinate", false);
       if (s.at < s.end && *s.at == '/') {
         ++s.at;
-        c.vn = index(s, d_.normals.size(), "normal");
+        if (is_given()) c.vn = index(s, d_.normals.size(), "normal", false);
       }
     }
     if (s.at < s.end && !std::strchr(" \t\r\n", *s.at)) throw file_.error_at(s.at, "malformed face");
@@ -109,13 +112,8 @@ void ObjReader::face(Scanner& s) {
     return;
   }
   // A face with any normal missing has no normals.
-  const bool bare =
-      std::any_of(polygon_.begin(), polygon_.end(), [](const Corner& c) { return c.vn == kNone; });
-  for (Corner& c : polygon_) {
-    if (bare) c.vn = kNone;
-    (c.vn == kNone ? missing_vn_ : any_vn_) = true;
-    (c.vt == kNone ? missing_vt_ : any_vt_) = true;
-  }
+  if (std::any_of(polygon_.begin(), polygon_.end(), [](const Corner& c) { return c.vn == kNone; }))
+    for (Corner& c : polygon_) c.vn = kNone;
   if (polygon_.size() > 3) polygons_.push_back({d_.triangles.size(), polygon_.size()});
   const Corner& a = polygon_[0];
   for (std::size_t i = 1; i + 1 < polygon_.size(); ++i) {
@@ -125,6 +123,16 @@ void ObjReader::face(Scanner& s) {
     d_.normal_triangles.push_back({a.vn, b.vn, c.vn});
     if (materials_.size() > 1) d_.materials.push_back(material_);
   }
+}
+
+/// Returns the next word, in which a backslash before a blank makes the blank part of the word.
+std::string escaped_word(Scanner& s) {
+  std::string word(s.word());
+  while (word.ends_with('\\') && s.at < s.end && *s.at == ' ') {
+    word.back() = ' ';
+    word += s.word();
+  }
+  return word;
 }
 
 void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
@@ -137,8 +145,7 @@ void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
   }
   if (keyword == "mtllib") {
     // One name that has blanks, or several.
-    const auto add = [&](std::string_view name) {
-      std::string path(name);
+    const auto add = [&](std::string path) {
       std::replace(path.begin(), path.end(), '\\', '/');
       libraries_.push_back(std::move(path));
     };
@@ -146,9 +153,9 @@ void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
     Scanner whole = s;
     const std::filesystem::path folder = file_.path().parent_path();
     if (const std::string_view name = whole.rest(); std::filesystem::exists(folder / name, ignored))
-      add(name);
+      add(std::string(name));
     else
-      for (std::string_view word = s.word(); !word.empty(); word = s.word()) add(word);
+      for (std::string word = escaped_word(s); !word.empty(); word = escaped_word(s)) add(word);
     return;
   }
   static const std::set<std::string, std::less<>> kKnown = {"g", "o", "s", "maplib", "usemap", "shadow_obj"};
@@ -172,6 +179,7 @@ MeshData ObjReader::read(const PlacePoint& place_point, const PlaceNormal& place
     if (keyword == "v") {
       const double x = number(s, "v"), y = number(s, "v"), z = number(s, "v");
       d_.positions.push_back(place_point(x, y, z));
+      if (double w, r; s.number(w) && s.number(r)) ++colored_vertices_;
     } else if (keyword == "vn") {
       const double x = number(s, "vn"), y = number(s, "vn"), z = number(s, "vn");
       d_.normals.push_back(place_normal(x, y, z));
@@ -194,21 +202,34 @@ MeshData ObjReader::read(const PlacePoint& place_point, const PlaceNormal& place
 void ObjReader::finish() {
   if (d_.triangles.empty()) throw file_.error("no faces in the file");
   // Missing entries refer to a common one: texture coordinates (0, 0), no normal.
-  const auto resolve = [](auto& values, std::vector<TriangleIndices>& indices, bool any, bool missing) {
-    if (!any) {
-      values.clear(), indices.clear();
-      return;
-    }
-    if (!missing) return;
+  const auto resolve = [&](auto& values, std::vector<TriangleIndices>& indices, const char* what,
+                           bool whole) {
     const auto last = std::uint32_t(values.size());
-    values.emplace_back();
-    for (TriangleIndices& t : indices)
+    bool any = false, missing = false;
+    std::size_t dangling = 0;
+    for (TriangleIndices& t : indices) {
       for (std::uint32_t& i : t)
+        if (i != kNone && i >= last) i = kNone, ++dangling;
+      if (whole && std::find(t.begin(), t.end(), kNone) != t.end()) t.fill(kNone);
+      for (std::uint32_t& i : t) {
+        (i == kNone ? missing : any) = true;
         if (i == kNone) i = last;
+      }
+    }
+    if (dangling)
+      notes_.push_back(std::to_string(dangling) + " corners of triangles refer to " + what +
+                       " that are not in the file, and have none");
+    if (!any)
+      values.clear(), indices.clear();
+    else if (missing)
+      values.emplace_back();
   };
-  resolve(d_.uvs, d_.uv_triangles, any_vt_, missing_vt_);
-  resolve(d_.normals, d_.normal_triangles, any_vn_, missing_vn_);
-  notes_ = triangulate_polygons(d_, polygons_, file_);
+  resolve(d_.uvs, d_.uv_triangles, "texture coordinates", false);
+  resolve(d_.normals, d_.normal_triangles, "normals", true);
+  if (colored_vertices_)
+    notes_.push_back(std::to_string(colored_vertices_) +
+                     " colours of vertices ignored: `ply` files may have them");
+  for (std::string& note : triangulate_polygons(d_, polygons_, file_)) notes_.push_back(std::move(note));
 }
 
 std::vector<std::string> ObjReader::remarks() const {

@@ -62,6 +62,9 @@ public:
     std::string names;
     for (const std::string& name : ignored_) names += (names.empty() ? "" : ", ") + name;
     if (!names.empty()) r.push_back("ignored in the file: " + names);
+    if (source_.long_lines())
+      r.push_back(std::to_string(source_.long_lines()) +
+                  " lines have more numbers than the header has properties; the rest is ignored");
     if (small_faces_)
       r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
     return r;
@@ -97,6 +100,7 @@ private:
       source_.require(std::size_t(count) * size_of(p.type));
       for (std::size_t i = 0; i < std::size_t(count); ++i) item(k, i, source_.value(p.type));
     }
+    source_.end_record();
   }
 
   template <class PlacePoint, class PlaceNormal>

@@ -198,9 +198,10 @@ private:
     const auto value = [&](int px, int py, int c) {
       const float v = image.at(px, py, std::size_t(c));
       if (v < 0 && !raw)
-        throw properties.error(source, "the pixel at column " + std::to_string(px) + ", row " +
-                                           std::to_string(py) + " is " + shown_number(v) +
-                                           "; a texture needs values that are not negative");
+        throw properties.error(
+            source, "the pixel at column " + std::to_string(px) + ", row " + std::to_string(py) + " is " +
+                        shown_number(v) +
+                        "; a texture needs values that are not negative (\"raw\" takes them)");
       if (!decode) return v;
       const float level = v * 255;
       return level <= 255 && level == std::floor(level) ? decoded[int(level)] : srgb_decode(v);

@@ -24,6 +24,14 @@ public:
   /// Upper bound: a value takes at least a digit and a blank.
   std::size_t values_left() const { return std::size_t(s_.end - s_.at) / 2 + 1; }
   void require(std::size_t) {}
+  /// A record ends with its line; what else is in the line belongs to no property.
+  void end_record() {
+    s_.skip_blanks();
+    if (s_.at >= s_.end || *s_.at == '\n') return;
+    ++long_lines_;
+    while (s_.at < s_.end && *s_.at != '\n') ++s_.at;
+  }
+  std::size_t long_lines() const { return long_lines_; }
   bool finished() {
     s_.skip_white();
     return s_.at >= s_.end;
@@ -32,6 +40,7 @@ public:
 private:
   const MeshFile& file_;
   Scanner s_;
+  std::size_t long_lines_ = 0;
 };
 
 template <bool kSwap>
@@ -68,6 +77,8 @@ public:
   void require(std::size_t bytes) {
     if (std::size_t(end_ - at_) < bytes) throw file_.error("the file is truncated");
   }
+  void end_record() {}
+  std::size_t long_lines() const { return 0; }
   bool finished() const { return at_ == end_; }
 
 private:
