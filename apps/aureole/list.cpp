@@ -9,6 +9,15 @@
 namespace aureole {
 namespace {
 
+/// The text up to the first mark that ends a clause; the point of "0.7" does not.
+std::string first_clause(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((text[i] == '.' || text[i] == ':' || text[i] == ';') &&
+        (i + 1 == text.size() || text[i + 1] == ' ' || text[i + 1] == '\n'))
+      return text.substr(0, i);
+  return text;
+}
+
 int list(const std::string& kind) {
   const Registry& registry = Registry::instance();
   const auto families = registry.families();
@@ -20,8 +29,7 @@ int list(const std::string& kind) {
     fmt::print("{}\n", family);
     for (const auto& name : registry.names(family)) {
       const std::string& summary = registry.find(family, name)->doc.summary;
-      const size_t stop = summary.find_first_of(".:;");
-      fmt::print("  {:<22} {}\n", name, summary.substr(0, stop));
+      fmt::print("  {:<22} {}\n", name, first_clause(summary));
     }
   }
   return 0;

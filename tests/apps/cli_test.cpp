@@ -322,6 +322,27 @@ TEST_F(Cli, UnknownCommandsNameTheNearestOne) {
   refused_arguments({"xyzzyxyzzy"}, "there are: compare, docs,");
 }
 
+TEST_F(Cli, OptionsOfSeveralValuesLeaveArgumentsAlone) {
+  const Outcome r = run({"droplet-size", "--fov", "20", "--mask", "10", "10", "5", "no-such-photo.jpg"});
+  EXPECT_NE(r.output.find("no-such-photo.jpg: no such file"), std::string::npos) << r.output;
+}
+
+TEST_F(Cli, DocsOfOnePluginAndWholeSummaries) {
+  const Outcome one = run({"docs", "diffuse"});
+  EXPECT_NE(one.output.find("### bsdf `diffuse`"), std::string::npos) << one.output;
+  EXPECT_EQ(one.output.find("### bsdf `plastic`"), std::string::npos);
+  EXPECT_NE(run({"docs", "difuse"}).output.find("did you mean \"diffuse\"?"), std::string::npos);
+  // The point of a number ends no summary.
+  const std::string list = run({"list"}).output;
+  EXPECT_EQ(list.find(" 0\n"), std::string::npos) << list;
+}
+
+TEST_F(Cli, UnknownIntegratorsListTheOthers) {
+  const Outcome r = run({"render", scene(small_scene_text()), "-o", out(), "--integrator", "xyzzyxyzzy"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.output.find("there are: aov, bdpt"), std::string::npos) << r.output;
+}
+
 TEST_F(Cli, TheFirstCheckpointComesEarly) {
   const std::string s = scene(small_scene_text(160, 120));
   const pid_t pid =

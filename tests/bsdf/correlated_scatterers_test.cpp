@@ -486,7 +486,8 @@ TEST(CorrelatedScatterers, WrongInputIsNamed) {
       "sum to 0.6");
   fails_with(fraction + radius + R"(<aperture type="circle"><string name="radius" value="5um"/></aperture>)",
              "circles only");
-  fails_with(radius + R"(<float name="area_fraction" value="0.91"/><correlation type="lattice"/>)", "0.9069");
+  fails_with(radius + R"(<float name="area_fraction" value="0.91"/><correlation type="lattice"/>)",
+             "0.90689968");
   fails_with(
       radius +
           R"(<float name="area_fraction" value="0.8"/><correlation type="lattice"><string name="lattice" value="square"/></correlation>)",

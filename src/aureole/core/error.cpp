@@ -79,4 +79,11 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
   return best.empty() ? "" : "; did you mean \"" + best + "\"?";
 }
 
+std::string did_you_mean_or_all(std::string_view name, const std::vector<std::string>& candidates) {
+  std::string text = did_you_mean(name, candidates);
+  if (!text.empty() || candidates.empty()) return text;
+  for (const std::string& candidate : candidates) text += (text.empty() ? "; there are: " : ", ") + candidate;
+  return text;
+}
+
 }  // namespace aureole

@@ -75,5 +75,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 
 /// `"; did you mean \"x\"?"` for the nearest candidate, or an empty string.
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
+/// Returns `did_you_mean`, or "; there are: a, b, c" if no candidate is near.
+std::string did_you_mean_or_all(std::string_view name, const std::vector<std::string>& candidates);
 
 }  // namespace aureole

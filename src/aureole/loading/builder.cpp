@@ -80,13 +80,8 @@ const PluginInfo* Builder::plugin_of(const Node& node, const PluginAlias** alias
   }
   if (const PluginInfo* plugin = registry.find(family, type.value)) return plugin;
 
-  const std::vector<std::string> names = registry.names(family);
-  std::string hint = did_you_mean(type.value, names);
-  if (hint.empty() && !names.empty()) {
-    hint = "; there are: ";
-    for (const std::string& name : names) hint += (name == names.front() ? "" : ", ") + name;
-  }
-  diagnostics_.error(type.where, "unknown " + family + " \"" + type.value + "\"" + hint);
+  diagnostics_.error(type.where, "unknown " + family + " \"" + type.value + "\"" +
+                                     did_you_mean_or_all(type.value, registry.names(family)));
   return nullptr;
 }
 

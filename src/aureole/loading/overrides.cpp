@@ -25,7 +25,7 @@ const PluginInfo* chosen_plugin(const std::string& family, const std::string& na
   const PluginInfo* info = find_plugin(family, name);
   if (!info)
     diagnostics.error({}, "--" + family + " " + name + ": unknown " + family +
-                              did_you_mean(name, Registry::instance().names(family)));
+                              did_you_mean_or_all(name, Registry::instance().names(family)));
   return info;
 }
 

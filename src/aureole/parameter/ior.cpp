@@ -67,8 +67,8 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
     }
     const auto constant = find_refractive_index(material, false);
     if (!constant)
-      throw properties.error(
-          name, "unknown material \"" + material + "\"" + did_you_mean(material, refractive_index_names()));
+      throw properties.error(name, "unknown material \"" + material + "\"" +
+                                       did_you_mean_or_all(material, refractive_index_names()));
     // A material that is tabulated even without dispersion is a conductor.
     if (constant->is_dispersive())
       throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");

@@ -31,7 +31,8 @@ std::optional<std::function<std::complex<double>(double)>> radio_index(const Pro
   if (!material.starts_with(kPrefix)) return {};
   const auto names = radio_material_names();
   if (std::find(names.begin(), names.end(), material) == names.end())
-    throw properties.error(name, "unknown material \"" + material + "\"" + did_you_mean(material, names));
+    throw properties.error(name,
+                           "unknown material \"" + material + "\"" + did_you_mean_or_all(material, names));
   const std::string row = material.substr(kPrefix.size());
   const SpectralGrid& grid = properties.context().grid;
   try {

@@ -51,7 +51,7 @@ ConductorIndex ConductorIndex::from(const Properties& properties) {
       // Dielectrics are constants without dispersion; other BSDFs use them.
       if (!index || !index->is_dispersive())
         throw properties.error("material", "\"" + material + "\" is not a known conductor" +
-                                               did_you_mean(material, conductor_names()));
+                                               did_you_mean_or_all(material, conductor_names()));
       check_index_range(properties, "material", material, *index);
       return take([&](double nm) { return index->at(nm); });
     }

@@ -51,7 +51,8 @@ double index_of(const Properties& p, const char* name, const std::string& text) 
     try {
       n = parse_number(text);
     } catch (const Error&) {
-      throw p.error(name, "unknown material \"" + text + "\"" + did_you_mean(text, refractive_index_names()));
+      throw p.error(
+          name, "unknown material \"" + text + "\"" + did_you_mean_or_all(text, refractive_index_names()));
     }
   }
   if (!(n >= 1 && n <= 10))

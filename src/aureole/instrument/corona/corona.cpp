@@ -127,7 +127,7 @@ LampSpectrum lamp_spectrum(const std::string& name) {
   } catch (const Error& e) {
     if (!name.empty() && (name[0] >= '0' && name[0] <= '9')) throw;
   }
-  throw Error("unknown illuminant \"" + name + "\"" + did_you_mean(name, illuminant_names()) +
+  throw Error("unknown illuminant \"" + name + "\"" + did_you_mean_or_all(name, illuminant_names()) +
               " (and there is no file of that name)");
 }
 
