@@ -185,7 +185,7 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   const bool whole = l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
   const bool real = l.format == SAMPLEFORMAT_IEEEFP, is_signed = l.format == SAMPLEFORMAT_INT;
   const bool known_bits = l.bits == 16 || l.bits == 32 || l.bits == (real ? 64 : 8);
-  const bool known_colour = 
+  const bool known_colour =
       l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB || logarithmic;
   const bool is_plain =
       known_bits && (whole || real || is_signed) && known_colour && l.samples >= 1 && l.samples <= 64;
