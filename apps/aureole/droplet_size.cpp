@@ -75,7 +75,10 @@ void report(const Options& o, const CoronaFit& f) {
   else
     fmt::print("area fraction  {:.3g}, standard error {:.2g}, 95 % [{:.3g}, {:.3g}]\n", f.area_fraction,
                f.area_fraction_error, low, high);
-  if (o.spread) print_value("size spread", "", f.spread, f.spread_error);
+  if (o.spread && f.spread > 0)
+    print_value("size spread", "", f.spread, f.spread_error);
+  else if (o.spread)
+    fmt::print("size spread    below {:g}\n", kMinFittedSpread);
   if (o.second_size) {
     print_value("second radius", " um", f.second_radius * 1e6, f.second_radius_error * 1e6);
     print_value("second share", "", f.second_share, f.second_share_error, 1);
@@ -116,10 +119,14 @@ int droplet_size(const Options& o) {
   if (has_angles && (o.spread || o.second_size))
     throw Error("--angles: angles alone do not tell several sizes; --spread and --second-size need a photo");
   const LampSpectrum lamp = lamp_spectrum(o.lamp);
+  const auto positions = o.correlation == "simulated" ? CoronaModel::Positions::equilibrium
+                                                      : CoronaModel::Positions::percus_yevick;
+  if (has_angles && !o.plot.empty()) throw Error("--plot: angles alone have no profile; it needs a photo");
+  if (!has_angles && o.area_fraction != -1) throw Error("--area-fraction is for --angles; a photo tells it");
   if (has_angles) {
     const auto rings = parse_ring_angles(o.angles);
     const CoronaFit f =
-        fit_ring_angles(rings, lamp, angle_deg("--angle-error", o.angle_error), o.area_fraction);
+        fit_ring_angles(rings, lamp, angle_deg("--angle-error", o.angle_error), o.area_fraction, positions);
     if (rings.size() < 2 && o.area_fraction < 0)
       fmt::print("note: one angle does not tell the area fraction: 0.5 is taken; give --area-fraction\n");
     report(o, f);
@@ -156,9 +163,7 @@ int droplet_size(const Options& o) {
   const ScatteredProfile profile = scattered_profile(image, camera, direction, parts, geometry, inner, clip);
   if (profile.s.empty())
     throw Error({o.photo, 0, 0}, "no ring is visible: nothing of the picture is left to look at");
-  CoronaModel model(lamp, profile.s.back(), lamp_radius,
-                    o.correlation == "simulated" ? CoronaModel::Positions::equilibrium
-                                                 : CoronaModel::Positions::percus_yevick);
+  CoronaModel model(lamp, profile.s.back(), lamp_radius, positions);
   CoronaFit f;
   try {
     f = fit_corona(profile, model,

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "picture_file.h"
 
-#include <fmt/format.h>
+#include "messages.h"
 
 namespace aureole {
 
 Image read_picture(const std::string& file, ExrAttributes* attributes) {
   Image image = read_image(file, attributes);
-  for (const std::string& note : image.notes) fmt::print(stderr, "note: {}: {}\n", file, note);
+  for (const std::string& note : image.notes) tell("note: {}: {}\n", file, note);
   return image;
 }
 

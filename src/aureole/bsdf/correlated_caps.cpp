@@ -2,11 +2,15 @@
 // A plane layer of transparent scatterers with complex amplitudes: caps of spheres, such as mist on a window, or flat
 // discs that retard light. Model: optics/layer/phase_scatterer.h; tables and energy: bsdf/caps/cap_tables.h.
 //
-// Lobes. The undeviated light of each wavelength is a null lobe. The rest is scattered to the other side, turned
+// Lobes. The undiffracted light of each wavelength is a null lobe. The rest is scattered to the other side, turned
 // back to its own side, or absorbed. Caps lie on the side of the normal; the BSDF is reciprocal.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/caps/cap_tables.h"
@@ -66,10 +70,10 @@ public:
       return t ? double(t->eval(Wavelengths::at(grid, float(nm)))[0]) : 1.0;
     };
 
-    const double least =
+    const double smallest_phase =
         2 * M_PI * layer.radius_nm *
         std::min(layer.medium(grid.min_nm) / grid.min_nm, layer.medium(grid.max_nm) / grid.max_nm);
-    if (!(least >= kLeastPhase))
+    if (!(smallest_phase >= kMinPhase))
       throw p.error(
           "radius",
           "the scatterers are too small for the wavelengths: 2 pi n radius/lambda must be at least 3; "
@@ -80,15 +84,17 @@ public:
       throw p.error("area_fraction", e.what());
     }
     if (!layer.structure->is_isotropic())
-      p.note("correlation", "domains of all orientations are taken: caps scatter by the mean over the ring");
+      p.note("correlation",
+             "the arrangement is anisotropic; its structure factor is averaged over the azimuth");
     tables_ = p.shared_model<CapTables>([&] {
       try {
         return std::make_shared<const CapTables>(layer, grid);
       } catch (const std::domain_error& e) {
-        throw p.error("radius",
-                      std::string(e.what()) +
-                          "; larger drops diffract as discs of \"correlated_scatterers\" and refract as "
-                          "meshes");
+        throw flat
+            ? p.error("height", std::string(e.what()) + "; radius and height are too large")
+            : p.error("radius", std::string(e.what()) +
+                                    "; larger drops diffract as discs of \"correlated_scatterers\" and "
+                                    "refract as meshes");
       }
     });
   }
@@ -97,7 +103,7 @@ public:
     if (!(std::abs(wi.z) > 0 && std::abs(wo.z) > 0)) return {};
     const Lights l = lights(ctx);
     const bool back = (wi.z > 0) == (wo.z > 0);
-    const Masses m(*this, l, wi);
+    const LobeProbabilities m(*this, l, wi);
     BsdfEval e;
     e.value = make_spectrum(
         [&](int j) { return back ? tables_->turned_back(l[j], wi, wo) : tables_->scattered(l[j], wi, wo); });
@@ -111,15 +117,15 @@ public:
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0)) return {};
     const Lights l = lights(ctx);
-    const Masses m(*this, l, wi);
+    const LobeProbabilities m(*this, l, wi);
     const float back = m.shares[0].turned_back * m.rest[0], scattered = m.shares[0].scattered * m.rest[0];
-    if (u1 < m.straight || !(back + scattered > 0)) {
-      if (!(m.straight > 0)) return {};
-      return BsdfSample{-wi, make_spectrum([&](int j) { return m.shares[j].straight; }), m.straight,
+    if (u1 < m.undiffracted || !(back + scattered > 0)) {
+      if (!(u1 < m.undiffracted)) return {};
+      return BsdfSample{-wi, make_spectrum([&](int j) { return m.shares[j].undiffracted; }), m.undiffracted,
                         kNullLobe};
     }
     Vec3 wo;
-    const bool is_back = u1 - m.straight < back;
+    const bool is_back = u1 - m.undiffracted < back;
     if (is_back) {
       wo = square_to_cosine_hemisphere(u2);
       if (wi.z < 0) wo.z = -wo.z;
@@ -134,7 +140,7 @@ public:
 
   Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
     const Lights l = lights(ctx);
-    return make_spectrum([&](int j) { return tables_->shares(l[j], wi.z > 0, std::abs(wi.z)).straight; });
+    return make_spectrum([&](int j) { return tables_->shares(l[j], wi.z > 0, std::abs(wi.z)).undiffracted; });
   }
 
   Lobe lobes() const override {
@@ -144,7 +150,7 @@ public:
   Tables tables() const override { return {tables_.get(), tables_ ? tables_->bytes() : 0}; }
 
 private:
-  static constexpr double kMaxSpread = 0.3, kLeastPhase = 3;
+  static constexpr double kMaxSpread = 0.3, kMinPhase = 3;
 
   using Lights = std::array<CapTables::Light, kWavelengths>;
   Lights lights(const BsdfContext& ctx) const {
@@ -157,21 +163,21 @@ private:
     return l;
   }
 
-  /// Probabilities of `sample`: that of passing straight on must not depend on the wavelength, so that it is the mean
-  /// of the parts; `rest` is the factor of all other parts.
-  struct Masses {
+  /// Probabilities of `sample`: the null lobe needs one for all wavelengths, the mean of their undiffracted fractions;
+  /// `rest` is the factor of the fractions of other lobes.
+  struct LobeProbabilities {
     std::array<CapTables::Shares, kWavelengths> shares;
-    float straight = 0;
+    float undiffracted = 0;
     Spectrum rest{0.f};
 
-    Masses(const CorrelatedCaps& caps, const Lights& l, const Vec3& wi) {
+    LobeProbabilities(const CorrelatedCaps& caps, const Lights& l, const Vec3& wi) {
       for (int j = 0; j < kWavelengths; ++j) {
         shares[std::size_t(j)] = caps.tables_->shares(l[std::size_t(j)], wi.z > 0, std::abs(wi.z));
-        straight += shares[std::size_t(j)].straight / kWavelengths;
+        undiffracted += shares[std::size_t(j)].undiffracted / kWavelengths;
       }
       rest = make_spectrum([&](int j) {
         const float other = shares[std::size_t(j)].scattered + shares[std::size_t(j)].turned_back;
-        return other > 0 ? (1 - straight) / other : 0.f;
+        return other > 0 ? (1 - undiffracted) / other : 0.f;
       });
     }
   };
@@ -187,13 +193,13 @@ AUREOLE_PLUGIN(
         "A layer of many transparent caps on a plane, such as the droplets of mist on a window, or of flat discs "
         "that retard light: coronas with the light that the droplets themselves refract. The plane is one surface "
         "in one medium, with the caps on the side of its normal; the pane is another surface at a small distance. "
-        "Light passes undeviated, is diffracted and refracted to the other side, or is turned back by total "
+        "Light passes undiffracted, is diffracted and refracted to the other side, or is turned back by total "
         "reflection within caps, which is spread evenly. Discs may absorb. A layer that does not absorb loses no "
         "light. Droplets far above the wavelength look like opaque discs (`correlated_scatterers`) near a lamp, and "
         "refract light into the dark around it; those of few micrometres have coronas of other colours, since light "
         "through them and light beside them interfere.\n\nThe light that leaves a cap after reflections within it "
         "has no caustics, and caps do not shadow each other at grazing angles. 2 pi n radius/lambda must be at "
-        "least 3; tables take at most 64 MiB, which is enough for drops of 30 um with contact angles of 60 degrees in visible light.",
+        "least 3; the table of phases takes at most 72 MiB, which is enough for drops of 30 um with contact angles of 60 degrees in visible light, and phases of at most 2000 rad.",
         "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated scatterers, 2025, with complex "
         "amplitudes; H. C. van de Hulst, Light Scattering by Small Particles, 1957, chapter 11",
         {{"radius", "length", "", "required", "radius of the bases (the median), such as 5um"},

@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -100,7 +101,10 @@ bool is_part(const std::string& candidate, const std::string& beginning) {
 
 /// Opens and locks a file or folder if nobody else has locked it; returns -1 otherwise.
 int lock_of(const fs::path& path) {
-  const int d = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+  // NFS locks only what is open for writing; a folder cannot be.
+  constexpr int kFlags = O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW;
+  int d = ::open(path.c_str(), O_RDWR | kFlags);
+  if (d < 0) d = ::open(path.c_str(), O_RDONLY | kFlags);
   if (d < 0 || ::flock(d, LOCK_EX | LOCK_NB) == 0) return d;
   ::close(d);
   return -1;
@@ -233,7 +237,8 @@ OutputLock::OutputLock(const fs::path& file) {
   const std::string stem = target.stem().string();
   path_ = folder / ("." + stem.substr(0, name_limit_of(folder) - kEndingBytes) + ".aureole-lock");
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0666);
+    // NFS locks only what is open for writing.
+    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0666);
     if (descriptor_ < 0) return;  // `require_writable` says what is wrong with the folder
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const bool is_held = errno == EWOULDBLOCK;
@@ -283,6 +288,12 @@ PartFolder::PartFolder(fs::path target) {
       continue;
     }
     descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY);
+    if (descriptor_ < 0 && errno != ENOENT) {
+      code.assign(errno, std::generic_category());
+      std::error_code ignored;
+      fs::remove(path_, ignored);
+      break;
+    }
     if (descriptor_ >= 0) ::flock(descriptor_, LOCK_EX);
     if (descriptor_ >= 0 && has_name(descriptor_, path_)) return;
     if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));

@@ -22,11 +22,11 @@ void require_writable(const std::filesystem::path& file);
 /// messages are not written into it. What is printed to a closed standard output stays an error.
 void open_standard_streams();
 
-/// The right to write a picture and the files of its name beside it (.png, .state), held until the end of the
-/// program that has it. A lock of a program that was killed does not last.
+/// An exclusive lock on a picture and the files of its name beside it (.png, .state), released by the destructor or
+/// when the process ends.
 class OutputLock {
 public:
-  /// Throws Error if another program holds the right.
+  /// Throws Error if another program holds the lock.
   explicit OutputLock(const std::filesystem::path& file);
   ~OutputLock();
   OutputLock(const OutputLock&) = delete;
@@ -55,14 +55,14 @@ class PartFolder {
 public:
   /// Throws Error located at `target`.
   explicit PartFolder(std::filesystem::path target);
-  /// Removes what was not taken.
+  /// Removes the folder unless it was released.
   ~PartFolder();
   PartFolder(const PartFolder&) = delete;
   PartFolder& operator=(const PartFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Tells that the folder has its final place.
-  void take() { path_.clear(); }
+  /// The folder was renamed to its final place, and the destructor keeps it.
+  void release() { path_.clear(); }
 
 private:
   std::filesystem::path path_;

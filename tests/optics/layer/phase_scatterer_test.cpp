@@ -43,15 +43,15 @@ TEST(PhaseScatterer, DiscsRetard) {
     }
   // |1 + Fr (t - 1)|^2 remains in the wave.
   for (double psi = 0; psi < 30; psi += 0.7)
-    EXPECT_NEAR(disc.undeviated(float(psi), 0.8f, 0.4f),
+    EXPECT_NEAR(disc.undiffracted(float(psi), 0.8f, 0.4f),
                 std::norm(1.0 + 0.4 * (0.8 * std::polar(1.0, psi) - 1.0)), 2e-3);
 }
 
 TEST(PhaseScatterer, ThinCapsVanish) {
   const PhaseScatterer scatterer(cap(30), {}, 20, 10);
-  // Amplitudes at the rim are below 1, so that F does not vanish entirely: t differs from 1 by less than 1e-3.
+  // Amplitudes at the rim are below 1, so that F does not vanish entirely: t is 0.997 there.
   for (double u = 0; u < 20; u += 0.5) EXPECT_LT(scatterer.intensity(float(u), 0, 1).coherent, 1e-5) << u;
-  EXPECT_NEAR(scatterer.undeviated(0, 1, 0.5f), 1, 1e-3);
+  EXPECT_NEAR(scatterer.undiffracted(0, 1, 0.5f), 1, 1e-3);
   EXPECT_NEAR(scatterer.transmittance(), 1, 2e-3);
 }
 
@@ -89,7 +89,7 @@ TEST(PhaseScatterer, IsTheIntegralOverTheCap) {
 }
 
 TEST(PhaseScatterer, LayersAreSumsOfWaves) {
-  // Caps of two sizes on discs in equilibrium: the wave behind the plane is summed over all of them, each with the
+  // Caps of many sizes on discs in equilibrium: the wave behind the plane is summed over all of them, each with the
   // integral over its own radius, and averaged over arrangements.
   const double fa = 0.35, psi = 7.3, spread = 0.12;
   const SizeDistribution sizes = SizeDistribution::log_normal(spread);
@@ -214,6 +214,8 @@ TEST(PhaseScatterer, Errors) {
   EXPECT_THROW(PhaseScatterer(cap(40, 0.9), {}, 10, 10), std::domain_error);
   EXPECT_THROW(PhaseScatterer(cap(40), {}, 1e4, 1e4), std::domain_error);
   EXPECT_THROW(PhaseScatterer(cap(40), {}, NAN, 10), std::domain_error);
+  EXPECT_THROW(PhaseScatterer(cap(40), {}, 10, 0), std::domain_error);
+  EXPECT_THROW(PhaseScatterer({}, {}, 10, 1e5), std::domain_error);
 }
 
 }  // namespace

@@ -11,9 +11,9 @@ namespace aureole {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr float kLeastCosine = 1e-3f;
+constexpr float kMinCosine = 1e-3f;
 /// The factor N near grazing angles, where the approximation ends.
-constexpr float kLargestFactor = 4;
+constexpr float kMaxFactor = 4;
 
 double largest_phase(const CapLayer& layer, const SpectralGrid& grid) {
   return kTwoPi * layer.radius_nm *
@@ -62,7 +62,8 @@ CapTables::CapTables(const CapLayer& layer, const SpectralGrid& grid)
       const double u = (i + 0.5) / 512 * end;
       power += radial(u) * u * end / 512;
     }
-    // A small uniform part covers directions at which other angles of incidence have more light than these.
+    // A small uniform part, for directions where the density of these three angles is too low for other angles of
+    // incidence.
     const double uniform = 0.03 * power / (0.5 * end * end);
     const auto density = [&](double u) { return (radial(u) + uniform) * u; };
     waves_.emplace_back(density, end, density(end) * end * end);
@@ -117,16 +118,16 @@ void CapTables::sum_scattered(int node) {
     densities[k] = waves.eval(us[k]), cosines[k] = float(std::cos(azimuth)),
     sines[k] = float(std::sin(azimuth));
   }
-  // Power from a cosine of incidence (rows) to the nodes of cosines on the other side.
+  // power[side][i n + j]: the power scattered from the cosine of node i to node j on the other side.
   std::vector<double> power[2], left[2], s[2];
   for (int side = 0; side < 2; ++side) {
     power[side].assign(std::size_t(n) * n, 0.0);
     s[side].assign(n, 1.0);
     for (int i = 0; i < n; ++i) {
-      const float t = float(i) / kCosines, cosine = std::max(t * t, kLeastCosine),
+      const float t = float(i) / kCosines, cosine = std::max(t * t, kMinCosine),
                   sine = std::sqrt(1 - cosine * cosine);
       const Vec3 wi{sine, 0, side == 0 ? cosine : -cosine};
-      left[side].push_back(std::max(1 - double(straight(l, cosine)) - double(absorbed(l)), 0.0));
+      left[side].push_back(std::max(1 - double(undiffracted(l, cosine)) - double(absorbed(l)), 0.0));
       for (std::size_t k = 0; k < kPoints; ++k) {
         const float v = us[k] / l.phase, x = v * cosines[k] - sine, y = v * sines[k], square = x * x + y * y;
         if (!(square < 1)) continue;
@@ -134,10 +135,10 @@ void CapTables::sum_scattered(int node) {
         // The density of u over its plane is the distribution's over 2 pi.
         const double value =
             scale * double(intensity(l, pair(wi, {x, y, side == 0 ? -z : z}))) / double(densities[k]);
-        const float place = std::min(std::sqrt(z) * kCosines, kCosines - 1e-3f);
-        const int j = int(place);
-        power[side][std::size_t(i * n + j)] += value * double(1 - (place - float(j)));
-        power[side][std::size_t(i * n + j + 1)] += value * double(place - float(j));
+        const float position = std::min(std::sqrt(z) * kCosines, kCosines - 1e-3f);
+        const int j = int(position);
+        power[side][std::size_t(i * n + j)] += value * double(1 - (position - float(j)));
+        power[side][std::size_t(i * n + j + 1)] += value * double(position - float(j));
       }
     }
   }
@@ -166,33 +167,32 @@ CapTables::Pair CapTables::pair(const Vec3& wi, const Vec3& wo) {
   const Vec3 &caps = wi.z > 0 ? wi : wo, &flat = wi.z > 0 ? wo : wi;
   return {{caps.x, caps.y},
           {flat.x, flat.y},
-          std::max(std::abs(caps.z), kLeastCosine),
-          std::max(std::abs(flat.z), kLeastCosine)};
+          std::max(std::abs(caps.z), kMinCosine),
+          std::max(std::abs(flat.z), kMinCosine)};
 }
 
 float CapTables::intensity(const Light& l, const Pair& pair) const {
   const float x = pair.on_caps.x + pair.on_flat.x, y = pair.on_caps.y + pair.on_flat.y,
               transverse = std::sqrt(x * x + y * y);
-  const float sine_flat = 1 - pair.cos_flat * pair.cos_flat;
-  const float within = std::sqrt(std::max(l.index * l.index - sine_flat, 1e-6f)), c = pair.cos_caps;
+  const float square_sine_flat = 1 - pair.cos_flat * pair.cos_flat;
+  const float within = std::sqrt(std::max(l.index * l.index - square_sine_flat, 1e-6f)), c = pair.cos_caps;
   const float difference = within - c;
   // The slope at which light is refracted between the two directions; its sign is that of the difference.
   const float limited = std::copysign(std::max(std::abs(difference), 0.02f), difference);
   const float on_caps = (pair.on_caps.x * x + pair.on_caps.y * y) / limited,
               on_flat = (pair.on_flat.x * x + pair.on_flat.y * y) / limited;
-  const float factor =
-      layer_.profile.contact_angle > 0
-          ? std::clamp((c - on_caps) * (within + on_flat) / (c * within), 0.f, kLargestFactor)
-          : 1;
+  const float factor = layer_.profile.contact_angle > 0
+                           ? std::clamp((c - on_caps) * (within + on_flat) / (c * within), 0.f, kMaxFactor)
+                           : 1;
   const float u = l.phase * transverse;
   const auto i =
       scatterer_.intensity(u, std::abs(l.phase * height_ * difference), l.amplitude * std::sqrt(factor));
   return i.uncorrelated + i.coherent * structure(u);
 }
 
-float CapTables::straight(const Light& l, float cosine) const {
+float CapTables::undiffracted(const Light& l, float cosine) const {
   const float within = std::sqrt(std::max(l.index * l.index - (1 - cosine * cosine), 0.f));
-  return scatterer_.undeviated(std::abs(l.phase * height_ * (within - cosine)), l.amplitude, covered_);
+  return scatterer_.undiffracted(std::abs(l.phase * height_ * (within - cosine)), l.amplitude, covered_);
 }
 
 float CapTables::look_up(const std::vector<float>& table, const Light& l, bool on_caps, float cosine) const {
@@ -207,8 +207,8 @@ float CapTables::look_up(const std::vector<float>& table, const Light& l, bool o
 
 CapTables::Shares CapTables::shares(const Light& l, bool from_caps, float cosine) const {
   Shares s;
-  s.straight = std::min(straight(l, cosine), 1 - absorbed(l));
-  const float rest = std::max(1 - s.straight - absorbed(l), 0.f);
+  s.undiffracted = std::min(undiffracted(l, cosine), 1 - absorbed(l));
+  const float rest = std::max(1 - s.undiffracted - absorbed(l), 0.f);
   s.scattered = rest * look_up(passing_, l, from_caps, cosine);
   s.turned_back = rest - s.scattered;
   return s;

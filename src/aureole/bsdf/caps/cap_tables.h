@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of a layer of transparent scatterers on a plane, for the BSDF `correlated_caps`: what passes straight on,
-// what is diffracted and refracted into other directions, and what is turned back. The model of one scatterer is in
-// optics/layer/phase_scatterer.h.
+// The light of a layer of transparent scatterers on a plane, for the BSDF `correlated_caps`: the undiffracted beam,
+// light that is diffracted and refracted into other directions, and light that is turned back. The model of one
+// scatterer is in optics/layer/phase_scatterer.h.
 //
-// Directions are unit vectors of the medium outside, both outward from the surface; caps lie on the side of z > 0. A
-// direction that leaves on this side and one that leaves on the other differ by the change q of the transverse
-// wave vector, u = k a |w_i + w_o|, and
+// Directions are unit vectors of the medium outside, both outward from the surface; caps lie on the side of z > 0. For
+// a pair of directions on opposite sides, q is the change of the transverse wave vector, u = k a |w_i + w_o|, and
 //     f = (k a)^2/(4 pi^2) rho (U + C S'),   rho = area_fraction/(pi <s^2>),
 // with lengths relative to the median radius a and the mean <s^2> of the squares of sizes.
 //
-// Energy. The part |1 + rho <F>|^2 goes straight on. The integral of f, computed at nodes of the angle of incidence
-// and of the wavelength, should be at most what is left and not absorbed. It may be more by 1 %, and where straight
-// light happens to pass in phase, since F depends on both directions and the straight light on one; f is then
-// reduced by factors of either direction, s(w_i) s(w_o) <= 1. The rest is light that is reflected within caps, and
-// that waves without a real direction would carry; it is turned back evenly,
+// Energy. The fraction |1 + rho <F>|^2 is not diffracted. The integral of f, computed at nodes of the angle of
+// incidence and of the wavelength, should be at most 1 minus this and minus what is absorbed. It may be more by 1 %,
+// and by much where light of one direction passes scatterers and gaps in phase, since F depends on both directions
+// and the undiffracted beam on one; f is then multiplied by s(w_i) s(w_o), s <= 1. The rest is light that is reflected
+// within caps, and the power of evanescent waves; it is turned back evenly,
 //     f = L_i L_o/(pi <L>),   <L> = 2 integral of L cos,
 // which is reciprocal (Kelemen and Szirmay-Kalos, "A microfacet based coupled specular-matte BRDF model with
 // importance sampling", 2001). So a layer that does not absorb loses no light at any angle.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -60,7 +60,7 @@ public:
 
   /// The parts of light that arrives from one side at a cosine.
   struct Shares {
-    float straight, scattered, turned_back;
+    float undiffracted, scattered, turned_back;
   };
   Shares shares(const Light& light, bool from_caps, float cosine) const;
 
@@ -69,7 +69,7 @@ public:
   /// Returns f |cos o| of light that is turned back; the sides of both directions are the same.
   float turned_back(const Light& light, const Vec3& wi, const Vec3& wo) const;
 
-  /// Samples a direction of scattered light; false if the wave has no real direction.
+  /// Samples a direction of scattered light; false if it is evanescent.
   bool sample(const Light& light, const Vec3& wi, Vec2 xi, Vec3& wo) const;
   /// Returns the density of `sample` [1/sr].
   float density(const Light& light, const Vec3& wi, const Vec3& wo) const;
@@ -90,7 +90,7 @@ private:
   float structure(float u) const { return std::max(1 + structure_.eval(u * structure_scale_), 0.f); }
   Light node_light(int node) const;
   float absorbed(const Light& light) const { return covered_ * (1 - light.amplitude * light.amplitude); }
-  float straight(const Light& light, float cosine) const;
+  float undiffracted(const Light& light, float cosine) const;
   /// Interpolates a table over wavelength, side and cosine.
   float look_up(const std::vector<float>& table, const Light& light, bool on_caps, float cosine) const;
   void sum_scattered(int node);
@@ -102,7 +102,7 @@ private:
   optics::PhaseScatterer scatterer_;
   std::vector<optics::RadialDistribution> waves_;  ///< of u, one for each node of the wavelength
   std::vector<float> passing_;                     ///< [node][side][cosine]
-  std::vector<float> reduction_;                   ///< s, as passing_
+  std::vector<float> reduction_;                   ///< the factor s of a direction, [node][side][cosine]
   std::vector<float> mean_back_;                   ///< <L>, [node][side]
 };
 

@@ -78,10 +78,11 @@ double CoronaProfile::extremum(int c, double from, bool maximum, double window) 
   return -1;
 }
 
-std::array<double, 2> brightest_spot(const Image& image) {
+std::array<double, 2> brightest_spot(const Image& image, const PictureParts& parts) {
   // The centroid of the pixels near the brightest white pixel whose brightness is a large fraction of its
   // brightness.
-  const auto white = [&image](int i, int j) {
+  const auto white = [&](int i, int j) {
+    if (parts.is_masked(i + 0.5, j + 0.5)) return -INFINITY;
     const auto value = [&](const char* name) { return image.at(i, j, size_t(image.channel(name))); };
     return std::min({value("R"), value("G"), value("B")});
   };

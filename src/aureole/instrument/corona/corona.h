@@ -56,11 +56,11 @@ struct CoronaProfile {
   double extremum(int c, double from, bool maximum, double window) const;
 };
 
-/// Centre of the brightest white spot [pixels].
-std::array<double, 2> brightest_spot(const Image& image);
+/// Centre of the brightest white spot [pixels] outside of the masked discs.
+std::array<double, 2> brightest_spot(const Image& image, const PictureParts& parts = {});
 
 /// Centre of a corona [pixels]: the brightest spot or, where values of at least `clip` cover an area, the point about
-/// which the picture is most symmetric.
+/// which the picture is most symmetric. Masked discs are left out, azimuths are not: they are known about a centre.
 std::array<double, 2> corona_centre(const Image& image, double clip, const PictureParts& parts);
 
 /// Relative power of a light source at wavelengths in nm.

@@ -11,7 +11,7 @@
 namespace aureole {
 namespace {
 
-using Place = std::array<double, 2>;
+using Point = std::array<double, 2>;
 
 /// A picture as logarithms of its brightness up to the value where it is clipped, so that bright and faint rings
 /// count alike.
@@ -44,7 +44,7 @@ public:
     double visible;     ///< their share
   };
   /// Compares pixels with those opposite to them, within `radius` pixels of a centre.
-  Asymmetry asymmetry(const Place& c, double radius) const {
+  Asymmetry asymmetry(const Point& c, double radius) const {
     const int stride = std::max(1, int(radius / 60));
     double sum = 0;
     int pairs = 0, all = 0;
@@ -56,7 +56,7 @@ public:
         const double ox = c[0] - dx - 0.5, oy = c[1] - dy - 0.5;
         const int i = int(std::floor(ox)), k = int(std::floor(oy));
         if (x < 0 || y < 0 || x >= log_.cols || y >= log_.rows || i < 0 || k < 0 || i + 1 >= log_.cols ||
-            k + 1 >= log_.rows || !used_(y, x) || !used_(k, i))
+            k + 1 >= log_.rows || !used_(y, x) || !used_(k, i) || !used_(k + 1, i + 1))
           continue;
         const double s = ox - i, t = oy - k;
         const double opposite = (1 - t) * ((1 - s) * double(log_(k, i)) + s * double(log_(k, i + 1))) +
@@ -76,7 +76,7 @@ private:
 
 /// Returns the circle through points, by least squares of |p|^2 - 2 p.c - (r^2 - c^2) (Kasa, 1976). The radius is
 /// 0 if they lie on a line.
-std::pair<Place, double> circle_through(const std::vector<cv::Point>& points) {
+std::pair<Point, double> circle_through(const std::vector<cv::Point>& points) {
   cv::Mat a(int(points.size()), 3, CV_64F), b(int(points.size()), 1, CV_64F), x;
   for (int i = 0; i < a.rows; ++i) {
     const double px = points[size_t(i)].x + 0.5, py = points[size_t(i)].y + 0.5;
@@ -90,8 +90,8 @@ std::pair<Place, double> circle_through(const std::vector<cv::Point>& points) {
 
 }  // namespace
 
-Place corona_centre(const Image& image, double clip, const PictureParts& parts) {
-  const Place brightest = brightest_spot(image);
+Point corona_centre(const Image& image, double clip, const PictureParts& parts) {
+  const Point brightest = brightest_spot(image, parts);
   if (!std::isfinite(clip)) return brightest;
   const SymmetryMeasure measure(image, clip, parts);
   std::vector<std::vector<cv::Point>> outlines;
@@ -107,7 +107,7 @@ Place corona_centre(const Image& image, double clip, const PictureParts& parts) 
   // Starts: the middle of the largest clipped region with all that it surrounds, the circle along its outline
   // where that is not the border of the picture, and the brightest spot.
   const cv::Moments moments = cv::moments(*largest);
-  std::vector<Place> starts{{moments.m10 / moments.m00 + 0.5, moments.m01 / moments.m00 + 0.5}, brightest};
+  std::vector<Point> starts{{moments.m10 / moments.m00 + 0.5, moments.m01 / moments.m00 + 0.5}, brightest};
   std::vector<cv::Point> inner;
   for (const cv::Point& p : *largest)
     if (p.x > 0 && p.y > 0 && p.x + 1 < image.width && p.y + 1 < image.height) inner.push_back(p);
@@ -120,17 +120,17 @@ Place corona_centre(const Image& image, double clip, const PictureParts& parts) 
       if (measure.asymmetry(centre, radius).visible < 0.7) return centre;
     }
 
-  const double radius = std::clamp(2 * reach, 12.0, 0.5 * std::max(image.width, image.height));
-  Place best = brightest;
+  const double radius = std::min(std::max(2 * reach, 12.0), 0.5 * std::max(image.width, image.height));
+  Point best = brightest;
   double least = INFINITY;
-  for (Place at : starts) {
+  for (Point at : starts) {
     double value = measure.asymmetry(at, radius).difference;
     for (double step = size / 3; step > 0.05;) {
-      Place next = at;
+      Point next = at;
       double lower = value;
       for (int i = 0; i < 8; ++i) {
         const double angle = M_PI / 4 * i;
-        const Place tried{at[0] + step * std::cos(angle), at[1] + step * std::sin(angle)};
+        const Point tried{at[0] + step * std::cos(angle), at[1] + step * std::sin(angle)};
         if (const double v = measure.asymmetry(tried, radius).difference; v < lower) lower = v, next = tried;
       }
       if (lower < value)

@@ -193,6 +193,10 @@ void Fitter::errors(const Unknowns& x, CoronaFit& fit) {
     fit.second_radius_error = fit.second_radius * error(2), fit.second_share_error = error(3);
   const double both = std::sqrt(inverse.at<double>(0, 0) * inverse.at<double>(1, 1));
   fit.correlation = both > 0 ? inverse.at<double>(0, 1) / both : 0;
+  if (sizes_ == CoronaSizes::two) {
+    const double others = std::sqrt(inverse.at<double>(2, 2) * inverse.at<double>(1, 1));
+    fit.second_correlation = others > 0 ? inverse.at<double>(2, 1) / others : 0;
+  }
 }
 
 /// Minimises the misfit of a fitter with N unknowns, from a grid of starts.
@@ -286,9 +290,15 @@ CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model, CoronaSizes 
   fit.radius = found.radius, fit.area_fraction = found.area_fraction, fit.spread = found.spread;
   fit.second_radius = found.second_radius, fit.second_share = found.second_share;
   fitter.errors(x, fit);
+  if (sizes == CoronaSizes::spread && fit.spread < kMinFittedSpread) {
+    // The derivative by the spread vanishes there, and with it what an error means: a fit of one size.
+    fit = fit_corona(p, model, CoronaSizes::one);
+    return fit;
+  }
   if (fit.second_share > 0.5) {
     std::swap(fit.radius, fit.second_radius), std::swap(fit.radius_error, fit.second_radius_error);
     fit.second_share = 1 - fit.second_share;
+    fit.correlation = fit.second_correlation;
   }
   double squares = 0;
   for (size_t i = 0; i < p.s.size(); ++i)

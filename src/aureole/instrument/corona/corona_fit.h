@@ -20,7 +20,7 @@
 namespace aureole {
 
 /// Upper bound of the area fraction in fits.
-inline constexpr double kMaxFittedFraction = 0.68;
+inline constexpr double kMaxFittedFraction = 0.68;  // as the table of discs in equilibrium
 
 /// Means over rings around the source in steps of s, without outliers.
 struct ScatteredProfile {
@@ -110,14 +110,18 @@ struct CoronaFit {
   double spread = 0, spread_error = 0;
   double second_radius = 0, second_radius_error = 0;
   double second_share = 0, second_share_error = 0;
-  double correlation = 0;  ///< correlation of the two errors
+  double second_correlation = 0;  ///< correlation of the errors of the second radius and the area fraction
+  double correlation = 0;         ///< correlation of the two errors
   bool fraction_fixed = false;
   double residual = 0;                       ///< RMS, relative to the profile's range
   std::vector<std::array<double, 3>> model;  ///< at the profile's rings
 };
 
-/// Fits worse than this, as the RMS of their residuals over the range of the profile, have another cause than
-/// noise: fits of good pictures have 1.5 %.
+/// Rings hardly depend on a spread of sizes below this; fits then return 0.
+inline constexpr double kMinFittedSpread = 0.02;
+
+/// Largest RMS of the residuals of a good fit, over the range of the profile. Above it the model does not describe the
+/// picture; fits of good pictures have 1.5 %.
 inline constexpr double kGoodResidual = 0.03;
 
 /// Throws Error if no ring is significant above the smooth light.
@@ -138,6 +142,7 @@ std::vector<RingAngle> parse_ring_angles(const std::string& text);
 /// from the centre. With one angle, or if `fixed_fraction` is not negative, the area fraction is
 /// `fixed_fraction`.
 CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectrum& lamp, double error_deg,
-                          double fixed_fraction);
+                          double fixed_fraction,
+                          CoronaModel::Positions positions = CoronaModel::Positions::equilibrium);
 
 }  // namespace aureole

@@ -138,7 +138,7 @@ double CoronaModel::mixture_intensity(double u) const {
               correction(u * 0.5 * (mixture_->radius(m) + mixture_->radius(l)), mixture_->area_fraction());
   }
   const optics::Cholesky cholesky(std::move(matrix), n);
-  if (!cholesky.is_definite()) return intensity;
+  if (!cholesky.is_definite()) return NAN;  // which no fit accepts
   const std::vector<double> x = cholesky.solve(amplitude);
   for (int m = 0; m < n; ++m) intensity += amplitude[size_t(m)] * x[size_t(m)];
   return std::max(intensity, 0.0);

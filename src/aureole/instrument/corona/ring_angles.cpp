@@ -74,10 +74,10 @@ std::vector<RingAngle> parse_ring_angles(const std::string& text) {
 }
 
 CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectrum& lamp, double error_deg,
-                          double fixed_fraction) {
+                          double fixed_fraction, CoronaModel::Positions positions) {
   double largest = 0;
   for (const RingAngle& r : rings) largest = std::max(largest, std::sin(r.angle_deg * kDegree));
-  CoronaModel model(lamp, 2 * largest, 0);
+  CoronaModel model(lamp, 2 * largest, 0, positions);
   const double error = error_deg * kDegree;
   // Differences of s over the error; a missing extremum of the model counts as a large difference.
   const auto residuals = [&](double radius, double fraction) {

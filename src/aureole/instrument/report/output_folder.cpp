@@ -42,7 +42,7 @@ void OutputFolder::commit() {
     if (!old.empty()) fs::rename(old, folder_, code);
     throw Error({folder_.string(), 0, 0}, "cannot be made: " + why);
   }
-  part_->take();
+  part_->release();
   if (!old.empty()) fs::remove_all(old, code);
 }
 

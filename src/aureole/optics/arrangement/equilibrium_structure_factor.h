@@ -17,8 +17,8 @@ inline constexpr double kMaxEquilibriumFraction = 0.68;
 /// std::domain_error for other area fractions.
 double equilibrium_correction(double u, double area_fraction);
 
-/// Returns S' of equal hard discs in equilibrium. Differences from simulations with other random numbers are those
-/// that their stated errors allow (test `EquilibriumStructureFactor`).
+/// Returns S' of equal hard discs in equilibrium. It agrees with independent
+/// simulations within their standard errors (test `EquilibriumStructureFactor`).
 inline double equilibrium_structure_factor(const HardDiscWave& wave, double u, double area_fraction) {
   return 1 / (1 / wave.structure_factor(area_fraction) + equilibrium_correction(u, area_fraction));
 }

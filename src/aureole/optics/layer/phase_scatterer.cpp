@@ -2,6 +2,7 @@
 #include "aureole/optics/layer/phase_scatterer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
@@ -65,10 +66,14 @@ PhaseScatterer::PhaseScatterer(const PhaseProfile& profile, const SizeDistributi
     throw std::domain_error("the index of a cap over that outside it must be above 1 and below 10, got " +
                             std::to_string(profile.relative_index));
   const double rows = std::ceil(largest_u / kStepU) + 3, columns = std::ceil(largest_psi / kStepPsi) + 3;
-  if (!(rows > 0 && columns > 0 && rows * columns * 16 <= double(kMaxBytes)))
+  if (!(largest_u > 0 && largest_psi > 0)) throw std::domain_error("waves and phases must be positive");
+  if (!(largest_psi <= kMaxPhase))
+    throw std::domain_error("the scatterers retard light by up to " + std::to_string(largest_psi) +
+                            " rad, more than " + std::to_string(int(kMaxPhase)));
+  if (const double bytes = rows * columns * 16; !(bytes <= double(kMaxBytes)))
     throw std::domain_error("the table of the scatterers would take " +
-                            std::to_string(int(std::min(rows * columns * 16 / 1048576, 1e9))) +
-                            " MiB, more than 64");
+                            std::to_string(std::lround(std::min(bytes / 1048576, 1e9))) + " MiB, more than " +
+                            std::to_string(kMaxBytes >> 20));
   rows_ = int(rows), columns_ = int(columns);
   mean_square_ = sizes.moment(2);
   const double end_u = (rows_ - 1) * kStepU, end_psi = (columns_ - 1) * kStepPsi;
@@ -158,7 +163,7 @@ PhaseScatterer::Intensity PhaseScatterer::intensity(float u, float psi, float am
   return {std::max(all - coherent, 0.f), coherent};
 }
 
-float PhaseScatterer::undeviated(float psi, float amplitude, float covered) const {
+float PhaseScatterer::undiffracted(float psi, float amplitude, float covered) const {
   const Means m = at(0, psi);
   const float density = covered / float(kPi * mean_square_);
   const float real = 1 - covered + density * amplitude * m.real,

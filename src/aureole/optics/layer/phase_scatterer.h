@@ -3,16 +3,17 @@
 // discs. Each adds to the plane wave that passes the plane an amplitude of
 //     F = sqrt(N) R - D,   D = pi circle_transform(u),
 //     R(u, psi) = integral over the unit disc of t(r) exp(i psi h(r)) exp(-i u.x) d2x,
-// the light that has crossed the scatterer instead of the light that would have crossed its base. Lengths are
+// the amplitude through the scatterer minus that which its base would transmit if it were empty. Lengths are
 // relative to the radius a of the base, u = |q| a with the change q of the transverse wave vector, and h is the
 // height over the largest height h0. The surface of the cap is a source of waves in Kirchhoff's approximation:
 // at the height z light arrives with the phase k w z and leaves with k c z, where w and c are the normal components
-// of the direction within the cap and outside it, over the wave number k outside, so that
+// of the wave vectors within the cap and outside it, divided by the wave number k outside, so that
 //     psi = k h0 (w - c).
 // Where this phase is stationary, light is refracted by Snell's law at the slope of the cap, at any angle, and
-//     N = (c - p_c h')(w + p_f h')/(c w),   h' = (p_c + p_f)/(w - c)
-// makes its power that of rays between tubes of equal light; p_c and p_f are the transverse components of the two
-// directions, both outward, on the side of the cap and on its flat side. Far from grazing angles N is near 1.
+//     N = (c - p_c.h')(w + p_f.h')/(c w),   h' = (p_c + p_f)/(w - c)
+// makes its power that of geometrical optics, in which each tube of rays keeps its flux; p_c and p_f are the
+// transverse vectors of the two directions, both outward, on the side of the cap and on its flat side, and h' is the
+// gradient of the height. Far from grazing angles N is near 1.
 // t is the amplitude that passes the surface at a slope, for light along the axis, over that of a flat surface; 0
 // beyond the critical angle.
 //
@@ -22,12 +23,11 @@
 // not part of F.
 //
 // Source: the layer of complex amplitudes is that of Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for
-// correlated scatterers", 2025, with t - 1 in place of the apertures' 0 and 1; the amplitude of thin phase objects is
+// correlated scatterers", 2025, with F in place of the transforms of apertures; the amplitude of thin phase objects is
 // that of van de Hulst's anomalous diffraction (Light Scattering by Small Particles, 1957, chapter 11) for other
 // shapes.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -55,16 +55,18 @@ public:
     float squared, cross, real, imaginary;
   };
 
-  /// Tabulates up to `largest_u` and `largest_psi`. Throws std::domain_error for an invalid profile, and if the table
-  /// would exceed kMaxBytes.
+  /// Tabulates up to `largest_u` and `largest_psi`. Throws std::domain_error for an invalid profile, if the table
+  /// would exceed kMaxBytes, and if `largest_psi` exceeds kMaxPhase.
   PhaseScatterer(const PhaseProfile& profile, const SizeDistribution& sizes, double largest_u,
                  double largest_psi, const ParallelFor& parallel_for = serial_for);
-  static constexpr std::size_t kMaxBytes = std::size_t(64) << 20;
+  static constexpr std::size_t kMaxBytes = std::size_t(72) << 20;
+  static constexpr double kMaxPhase = 2000;
 
-  /// Interpolates the table by cubics; the error is below 1e-3 of R(0, 0). u and psi are clamped to the table.
+  /// Interpolates the table by cubics; the error is 1e-3 of R(0, 0) for one size, and up to
+  /// 4e-3 for a spread of 0.3. u and psi are clamped to the table.
   Means at(float u, float psi) const;
 
-  /// The two parts of the intensity of a layer, J = rho (U + C S') with the density rho of scatterers: C = |<F>|^2
+  /// Terms of the intensity of a layer, J = rho (U + C S') with the density rho of scatterers: C = |<F>|^2
   /// and U = <|F|^2> - C. Relative to a^4.
   struct Intensity {
     float uncorrelated, coherent;
@@ -72,9 +74,9 @@ public:
   /// `amplitude`: a factor of R beside sqrt(N).
   Intensity intensity(float u, float psi, float amplitude) const;
 
-  /// Returns |1 + rho <F>|^2 along the plane wave, the part of its light that remains in it, for scatterers whose
-  /// bases cover the fraction `covered` of the plane.
-  float undeviated(float psi, float amplitude, float covered) const;
+  /// Returns |1 + rho <F>|^2, the fraction of power in the undiffracted beam, for scatterers whose bases cover the
+  /// fraction `covered` of the plane.
+  float undiffracted(float psi, float amplitude, float covered) const;
 
   /// Returns the integral of t^2 over the base, over its area: the part of the light along the axis that passes a
   /// scatterer.
