@@ -187,7 +187,8 @@ TEST(CorrelatedCaps, Errors) {
   refused(caps("5um", 0.5, 100), "contact_angle");
   refused(caps("5um", 0.8, 60), "area_fraction");
   refused(caps("50nm", 0.5, 60), "too small");
-  refused(caps("500um", 0.5, 60), "MiB");
+  refused(caps("500um", 0.5, 60), "refract as meshes");
+  refused(disc("2um", 0.5, "5mm"), "parameter \"height\"");
   refused(caps("5um", 0.5, 60, R"(<string name="height" value="1um"/>)"), "is for the profile \"disc\"");
   refused(caps("5um", 0.5, 60, R"(<float name="transmittance" value="0.5"/>)"),
           "is for the profile \"disc\"");
