@@ -83,6 +83,10 @@ void report(const Options& o, const CoronaFit& f) {
     print_value("second radius", " um", f.second_radius * 1e6, f.second_radius_error * 1e6);
     print_value("second share", "", f.second_share, f.second_share_error, 1);
   }
+  if (!f.fraction_fixed && f.area_fraction > kMaxFittedFraction - 0.005)
+    fmt::print(
+        "note: the area fraction is at the limit of the fit: this is another minimum than the right one, or "
+        "no fluid of discs\n");
   if (!f.fraction_fixed && high - low > 0.4)
     fmt::print("note: these rings hardly depend on the area fraction; it is not measured\n");
   if (o.output.empty()) return;
@@ -179,13 +183,15 @@ int droplet_size(const Options& o) {
       at[0], at[1], profile.s.size(), std::asin(profile.s.front()) / kDegree,
       std::asin(profile.s.back()) / kDegree, 100 * f.residual);
   report(o, f);
-  if (f.residual > kGoodResidual)
+  const bool several = o.spread || o.second_size;
+  if (f.residual > (several ? kGoodResidualOfSizes : kGoodResidual))
     fmt::print(
-        "note: the fit leaves {:.1f} % of the rings' range unexplained, where good fits leave 1.5 %, and its "
-        "intervals do not include the cause. The scatterers may {}not be round or not be clear of one another; "
+        "note: the fit leaves {:.1f} % of the rings' range unexplained, where good fits leave {} %, and its "
+        "intervals do not include the cause. The scatterers may {}not be round or not be clear of one another, or be droplets that refract (correlated_caps); the inner rings may be clipped or left out (--inner); "
         "the centre may be wrong (--center), the lamp may have another spectrum (--lamp) or size "
         "(--lamp-angle), or other lights may be in the picture (--mask, --azimuths)\n",
-        100 * f.residual, o.spread || o.second_size ? "" : "be of several sizes (--spread, --second-size), ");
+        100 * f.residual, several ? 0.4 : 1.5,
+        several ? "" : "be of several sizes (--spread, --second-size), ");
   if (o.plot.empty()) return 0;
   Plot plot{"Corona: green, measured and fitted", "angle, degrees", "light", {}};
   PlotSeries measured{PlotSeries::Kind::points, {}, {}, {}, {}, 0},

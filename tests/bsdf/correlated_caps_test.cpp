@@ -189,6 +189,8 @@ TEST(CorrelatedCaps, Errors) {
   refused(caps("50nm", 0.5, 60), "too small");
   refused(caps("500um", 0.5, 60), "refract as meshes");
   refused(disc("2um", 0.5, "5mm"), "parameter \"height\"");
+  refused(disc("5um", 0.5, "20um"), "too high");
+  refused(caps("5um", 0.5, 60, R"(<correlation type="poisson"/>)"), "cannot overlap");
   refused(caps("5um", 0.5, 60, R"(<string name="height" value="1um"/>)"), "is for the profile \"disc\"");
   refused(caps("5um", 0.5, 60, R"(<float name="transmittance" value="0.5"/>)"),
           "is for the profile \"disc\"");

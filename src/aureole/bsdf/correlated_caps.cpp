@@ -45,10 +45,14 @@ public:
     layer.relative_index = [=, outside = exterior_, inside = interior_](double nm) {
       return index(inside, nm) / index(outside, nm);
     };
-    for (int i = 0; i <= grid.cells; ++i)
-      if (const double m = layer.relative_index(grid.node(i)); !(m > 1.001 && m < 4))
+    double largest_index = 1;
+    for (int i = 0; i <= grid.cells; ++i) {
+      const double m = layer.relative_index(grid.node(i));
+      largest_index = std::max(largest_index, m);
+      if (!(m > 1.001 && m < 4))
         throw p.error("int_ior", "the index of the scatterers over that outside is " + std::to_string(m) +
                                      "; it must be above 1.001 and below 4");
+    }
 
     const bool flat = p.get_choice("profile", "cap", {"cap", "disc"}) == "disc";
     const auto transmittance = get_optional_spectrum(p, "transmittance", SpectrumRole::reflectance);
@@ -57,7 +61,16 @@ public:
       throw p.error(other, std::string("is for the profile \"") + (flat ? "cap" : "disc") + "\"");
     if (!p.has(needed)) throw p.error(needed, std::string("the parameter \"") + needed + "\" is required");
     if (flat) {
-      layer.height = p.get_length_m("height", 0) * 1e9 / layer.radius_nm;
+      const double height_nm = p.get_length_m("height", 0) * 1e9;
+      layer.height = height_nm / layer.radius_nm;
+      // The phases of all discs are one, and turn with the wavelength; tables have nodes for some turns.
+      const double difference =
+          2 * M_PI * height_nm * (largest_index - 1) * (1 / grid.min_nm - 1 / grid.max_nm);
+      if (!(difference <= kMaxPhaseDifference))
+        throw p.error("height", "the discs are too high: (n - 1) 2 pi height/lambda differs by " +
+                                    std::to_string(difference) +
+                                    " rad between the ends of the film's range, and may differ by at most " +
+                                    std::to_string(int(kMaxPhaseDifference)));
       if (transmittance) transmittance_ = *transmittance;
     } else {
       layer.profile.contact_angle = p.get_float("contact_angle", Range{1, 90}) * M_PI / 180;
@@ -78,8 +91,11 @@ public:
           "radius",
           "the scatterers are too small for the wavelengths: 2 pi n radius/lambda must be at least 3; "
           "\"correlated_spheres\" has no such limit");
+    const auto correlation = get_correlation(p);
+    if (correlation->may_overlap())
+      throw p.error("correlation", "caps cannot overlap: positions must be those of discs that do not");
     try {
-      layer.structure = get_correlation(p)->structure_factor(layer.area_fraction);
+      layer.structure = correlation->structure_factor(layer.area_fraction);
     } catch (const std::domain_error& e) {
       throw p.error("area_fraction", e.what());
     }
@@ -150,7 +166,7 @@ public:
   Tables tables() const override { return {tables_.get(), tables_ ? tables_->bytes() : 0}; }
 
 private:
-  static constexpr double kMaxSpread = 0.3, kMinPhase = 3;
+  static constexpr double kMaxSpread = 0.3, kMinPhase = 3, kMaxPhaseDifference = 16;
 
   using Lights = std::array<CapTables::Light, kWavelengths>;
   Lights lights(const BsdfContext& ctx) const {
@@ -198,8 +214,11 @@ AUREOLE_PLUGIN(
         "light. Droplets far above the wavelength look like opaque discs (`correlated_scatterers`) near a lamp, and "
         "refract light into the dark around it; those of few micrometres have coronas of other colours, since light "
         "through them and light beside them interfere.\n\nThe light that leaves a cap after reflections within it "
-        "has no caustics, and caps do not shadow each other at grazing angles. 2 pi n radius/lambda must be at "
-        "least 3; the table of phases takes at most 72 MiB, which is enough for drops of 30 um with contact angles of 60 degrees in visible light, and phases of at most 2000 rad.",
+        "has no caustics, and caps do not shadow each other at grazing angles. Discs also turn back what their "
+        "phases at other angles do not carry: energy is kept within 2 %, and (n - 1) 2 pi height/lambda may differ by "
+        "at most 16 rad between the ends of the film's range. 2 pi n radius/lambda, with n the index outside, must be "
+        "at least 3; the table of phases takes at most 72 MiB, enough for drops of 30 um with contact angles of 60 "
+        "degrees in visible light.",
         "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated scatterers, 2025, with complex "
         "amplitudes; H. C. van de Hulst, Light Scattering by Small Particles, 1957, chapter 11",
         {{"radius", "length", "", "required", "radius of the bases (the median), such as 5um"},
@@ -215,7 +234,8 @@ AUREOLE_PLUGIN(
          {"size_spread", "float", "", "0",
           "standard deviation of ln(radius), log-normal, up to 0.3; positions are those of equal discs of the same "
           "covered fraction"},
-         {"int_ior", "float or string", "", "water", "index of refraction of the caps"},
+         {"int_ior", "float or string", "", "water",
+          "index of refraction of the caps, 1.001 to 4 times that around them"},
          {"ext_ior", "float or string", "", "air", "index of refraction around them"},
          {"correlation", "correlation", "", "hard discs",
           "spatial correlation of the positions; default: hard discs (Percus and Yevick)"}},

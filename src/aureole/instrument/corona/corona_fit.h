@@ -123,6 +123,8 @@ inline constexpr double kMinFittedSpread = 0.02;
 /// Largest RMS of the residuals of a good fit, over the range of the profile. Above it the model does not describe the
 /// picture; fits of good pictures have 1.5 %.
 inline constexpr double kGoodResidual = 0.03;
+/// Largest such RMS of a good fit of several sizes; fits of good pictures have 0.4 %.
+inline constexpr double kGoodResidualOfSizes = 0.01;
 
 /// Throws Error if no ring is significant above the smooth light.
 CoronaFit fit_corona(const ScatteredProfile& profile, CoronaModel& model,
