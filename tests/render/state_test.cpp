@@ -229,7 +229,7 @@ void change_somewhere(nlohmann::json& value, std::mt19937& random) {
     return change_somewhere(*entry, random);
   }
   if (value.is_number_integer() && random() % 2 == 0)
-    value = value.get<std::int64_t>() + std::int64_t(random() % 41) - 20;
+    value = std::int64_t(std::uint64_t(value.get<std::int64_t>()) + std::uint64_t(random() % 41) - 20);
   else
     value = values[random() % std::size(values)];
 }
