@@ -121,8 +121,10 @@ public:
     const bool back = (wi.z > 0) == (wo.z > 0);
     const LobeProbabilities m(*this, l, wi);
     BsdfEval e;
-    e.value = make_spectrum(
-        [&](int j) { return back ? tables_->turned_back(l[j], wi, wo) : tables_->scattered(l[j], wi, wo); });
+    e.value = make_spectrum([&](int j) {
+      return back ? tables_->turned_back(l[j], m.shares[std::size_t(j)].turned_back, wo)
+                  : tables_->scattered(l[j], wi, wo);
+    });
     e.pdf = make_spectrum([&](int j) {
       return back ? m.rest[j] * m.shares[j].turned_back * std::abs(wo.z) * kInvPi
                   : m.rest[j] * m.shares[j].scattered * tables_->density(l[j], wi, wo);

@@ -220,14 +220,14 @@ float CapTables::scattered(const Light& l, const Vec3& wi, const Vec3& wo) const
          look_up(reduction_, l, wo.z > 0, std::abs(wo.z));
 }
 
-float CapTables::turned_back(const Light& l, const Vec3& wi, const Vec3& wo) const {
-  const int node = std::min(int(l.node), kWavelengthNodes - 2), side = wi.z > 0 ? 0 : 1;
+float CapTables::turned_back(const Light& l, float share, const Vec3& wo) const {
+  const int node = std::min(int(l.node), kWavelengthNodes - 2), side = wo.z > 0 ? 0 : 1;
   const float t = l.node - float(node);
   const float mean =
       mean_back_[std::size_t(2 * node + side)] * (1 - t) + mean_back_[std::size_t(2 * node + 2 + side)] * t;
   if (!(mean > 0)) return 0;
-  return shares(l, wi.z > 0, std::abs(wi.z)).turned_back * shares(l, wo.z > 0, std::abs(wo.z)).turned_back /
-         mean * std::abs(wo.z) * float(1 / std::numbers::pi);
+  return share * shares(l, wo.z > 0, std::abs(wo.z)).turned_back / mean * std::abs(wo.z) *
+         float(1 / std::numbers::pi);
 }
 
 bool CapTables::sample(const Light& l, const Vec3& wi, Vec2 xi, Vec3& wo) const {

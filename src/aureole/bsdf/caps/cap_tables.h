@@ -66,8 +66,9 @@ public:
 
   /// Returns f |cos o| of light that passes the layer.
   float scattered(const Light& light, const Vec3& wi, const Vec3& wo) const;
-  /// Returns f |cos o| of light that is turned back; the sides of both directions are the same.
-  float turned_back(const Light& light, const Vec3& wi, const Vec3& wo) const;
+  /// Returns f |cos o| of light that is turned back; the sides of both directions are the same, and `share` is the
+  /// part `turned_back` of light from wi.
+  float turned_back(const Light& light, float share, const Vec3& wo) const;
 
   /// Samples a direction of scattered light; false if it is evanescent.
   bool sample(const Light& light, const Vec3& wi, Vec2 xi, Vec3& wo) const;

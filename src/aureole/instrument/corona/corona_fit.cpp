@@ -162,7 +162,7 @@ void Fitter::errors(const Unknowns& x, CoronaFit& fit) {
     for (size_t i = 0; i < n; ++i) shape[a].push_back(model_.at(p_.s[i]));
   }
   cv::Mat m(all, all, CV_64F, cv::Scalar(0));
-  double misfit = 0, neighbours = 0, squares = 0;
+  double neighbours = 0, squares = 0;
   std::vector<double> row(k + 9);
   for (size_t c = 0; c < 3; ++c) {
     double before = 0;
@@ -174,7 +174,7 @@ void Fitter::errors(const Unknowns& x, CoronaFit& fit) {
       for (int a = 0; a < all; ++a)
         for (int b = 0; b < all; ++b) m.at<double>(a, b) += weight_[c][i] * row[size_t(a)] * row[size_t(b)];
       const double r = std::sqrt(weight_[c][i]) * (y_[c][i] - fit.model[i][c]);
-      misfit += r * r, squares += r * r, neighbours += before * r;
+      squares += r * r, neighbours += before * r;
       before = r;
     }
   }
@@ -184,7 +184,8 @@ void Fitter::errors(const Unknowns& x, CoronaFit& fit) {
   cv::invert(m.mul(scale * scale.t()), inverse, cv::DECOMP_SVD);
   inverse = inverse.mul(scale * scale.t());
   const double correlation = squares > 0 ? std::clamp(neighbours / squares, 0.0, 0.98) : 0;
-  const double factor = misfit / std::max(1.0, 3.0 * double(n) - all) * (1 + correlation) / (1 - correlation);
+  const double factor =
+      squares / std::max(1.0, 3.0 * double(n) - all) * (1 + correlation) / (1 - correlation);
   const auto error = [&](int a) { return std::sqrt(std::max(factor * inverse.at<double>(a, a), 0.0)); };
   fit.radius_error = fit.radius * error(0);
   fit.area_fraction_error = error(1);
@@ -292,8 +293,7 @@ CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model, CoronaSizes 
   fitter.errors(x, fit);
   if (sizes == CoronaSizes::spread && fit.spread < kMinFittedSpread) {
     // The derivative by the spread vanishes there, and with it what an error means: a fit of one size.
-    fit = fit_corona(p, model, CoronaSizes::one);
-    return fit;
+    return fit_corona(p, model, CoronaSizes::one);
   }
   if (fit.second_share > 0.5) {
     std::swap(fit.radius, fit.second_radius), std::swap(fit.radius_error, fit.second_radius_error);

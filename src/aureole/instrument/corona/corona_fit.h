@@ -14,13 +14,14 @@
 #include <vector>
 
 #include "aureole/instrument/corona/corona.h"
+#include "aureole/optics/arrangement/equilibrium_structure_factor.h"
 #include "aureole/optics/arrangement/hard_disc_mixture.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 
 namespace aureole {
 
 /// Upper bound of the area fraction in fits.
-inline constexpr double kMaxFittedFraction = 0.68;  // as the table of discs in equilibrium
+inline constexpr double kMaxFittedFraction = optics::kMaxEquilibriumFraction;
 
 /// Means over rings around the source in steps of s, without outliers.
 struct ScatteredProfile {

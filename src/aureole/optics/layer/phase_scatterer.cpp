@@ -2,7 +2,6 @@
 #include "aureole/optics/layer/phase_scatterer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <stdexcept>
@@ -47,13 +46,14 @@ Points points(const PhaseProfile& profile, int count) {
   return p;
 }
 
-/// Weights of the cubic through four points at -1, 0, 1, 2, at t in [0, 1] or, at the ends of a table, beyond.
-std::array<float, 4> cubic_weights(float t) {
-  const float a = t + 1, b = t - 1, c = t - 2;
-  return {-t * b * c / 6, a * b * c / 2, -a * t * c / 2, a * t * b / 6};
-}
-
 }  // namespace
+
+PhaseScatterer::Cubic::Cubic(float position, int nodes) {
+  const float x = std::clamp(position, 0.f, float(nodes - 1));
+  first = std::clamp(int(x) - 1, 0, nodes - 4);
+  const float t = x - float(first + 1), a = t + 1, b = t - 1, c = t - 2;
+  weights = {-t * b * c / 6, a * b * c / 2, -a * t * c / 2, a * t * b / 6};
+}
 
 double PhaseProfile::cap_height() const { return std::tan(0.5 * contact_angle); }
 
@@ -132,30 +132,30 @@ PhaseScatterer::PhaseScatterer(const PhaseProfile& profile, const SizeDistributi
 }
 
 PhaseScatterer::Means PhaseScatterer::at(float u, float psi) const {
-  const float x = std::clamp(u / float(kStepU), 0.f, float(rows_ - 1)),
-              y = std::clamp(psi / float(kStepPsi), 0.f, float(columns_ - 1));
-  const int row = std::clamp(int(x) - 1, 0, rows_ - 4), column = std::clamp(int(y) - 1, 0, columns_ - 4);
-  const auto wu = cubic_weights(x - float(row + 1)), wp = cubic_weights(y - float(column + 1));
+  return means({u / float(kStepU), rows_}, psi);
+}
+
+PhaseScatterer::Means PhaseScatterer::means(const Cubic& u, float psi) const {
+  const Cubic p(psi / float(kStepPsi), columns_);
   float sum[4] = {};
   for (int i = 0; i < 4; ++i) {
-    const float* cell = &table_[(std::size_t(row + i) * std::size_t(columns_) + std::size_t(column)) * 4];
+    const float* cell =
+        &table_[(std::size_t(u.first + i) * std::size_t(columns_) + std::size_t(p.first)) * 4];
     float line[4] = {};
     for (int j = 0; j < 4; ++j)
-      for (int k = 0; k < 4; ++k) line[k] += wp[std::size_t(j)] * cell[4 * j + k];
-    for (int k = 0; k < 4; ++k) sum[k] += wu[std::size_t(i)] * line[k];
+      for (int k = 0; k < 4; ++k) line[k] += p.weights[std::size_t(j)] * cell[4 * j + k];
+    for (int k = 0; k < 4; ++k) sum[k] += u.weights[std::size_t(i)] * line[k];
   }
   return {sum[0], sum[1], sum[2], sum[3]};
 }
 
 PhaseScatterer::Intensity PhaseScatterer::intensity(float u, float psi, float amplitude) const {
-  const Means m = at(u, psi);
-  const float x = std::clamp(u / float(kStepU), 0.f, float(rows_ - 1));
-  const int row = std::clamp(int(x) - 1, 0, rows_ - 4);
-  const auto w = cubic_weights(x - float(row + 1));
+  const Cubic along_u(u / float(kStepU), rows_);
+  const Means m = means(along_u, psi);
   float square = 0, base = 0;
   for (int i = 0; i < 4; ++i)
-    square += w[std::size_t(i)] * base_[2 * std::size_t(row + i)],
-        base += w[std::size_t(i)] * base_[2 * std::size_t(row + i) + 1];
+    square += along_u.weights[std::size_t(i)] * base_[2 * std::size_t(along_u.first + i)],
+        base += along_u.weights[std::size_t(i)] * base_[2 * std::size_t(along_u.first + i) + 1];
   const float real = amplitude * m.real - base, imaginary = amplitude * m.imaginary;
   const float coherent = real * real + imaginary * imaginary;
   if (uniform_) return {0, coherent};

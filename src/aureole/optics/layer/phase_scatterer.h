@@ -28,6 +28,7 @@
 // shapes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -86,6 +87,14 @@ public:
   std::size_t bytes() const { return (table_.size() + base_.size()) * sizeof(float); }
 
 private:
+  /// The cubic through four neighbouring nodes of a table, at a position in nodes that is clamped to the table.
+  struct Cubic {
+    int first;  ///< node
+    std::array<float, 4> weights;
+    Cubic(float position, int nodes);
+  };
+  Means means(const Cubic& u, float psi) const;
+
   static constexpr double kStepU = 0.25, kStepPsi = 0.4;
 
   int columns_ = 0, rows_ = 0;  // nodes of psi and of u
