@@ -42,6 +42,28 @@ TEST(FarAway, RaysWithoutAPlaceMeetNothing) {
   EXPECT_FALSE(scene->intersect({{0, 0, -5}, {0, 0, 1}, nan}));
 }
 
+TEST(FarAway, RoundedPositionsAreNoted) {
+  const auto notes = [](double distance, const std::string& scale) {
+    const std::string at = std::to_string(distance);
+    std::string all;
+    const auto scene = scene_of("<shape type=\"sphere\">\n<transform name=\"to_world\"><scale value=\"" +
+                                scale + "\"/><translate x=\"" + at +
+                                "\"/></transform></shape>\n<shape type=\"cube\"><transform name=\"to_world\">"
+                                "<scale value=\"" +
+                                scale + "\"/><translate y=\"" + at + "\"/></transform></shape>");
+    for (const std::string& note : scene->notes()) all += note + "\n";
+    return all;
+  };
+  EXPECT_EQ(notes(1e3, "0.5").find("rounded"), std::string::npos);
+  EXPECT_EQ(notes(1e6, "500").find("rounded"), std::string::npos);
+  for (const auto& [distance, scale] :
+       {std::pair(1e6, "0.5"), std::pair(1e6, "100"), std::pair(1e3, "0.01")}) {
+    const std::string text = notes(distance, scale);
+    EXPECT_NE(text.find("test.xml:4:1: positions on this shape"), std::string::npos) << text;
+    EXPECT_NE(text.find("(so for 2 shapes)"), std::string::npos) << text;
+  }
+}
+
 TEST(FarAway, ErrorsStandWhereThePlaceIsStated) {
   const std::string reaches = "reaches beyond the coordinate 9e17, where rays end";
   for (const char* distance : {"1e18", "3e38", "1e300"}) {

@@ -151,6 +151,22 @@ TEST(NearWhite, UnboundedColoursKeepThePublishedModel) {
   }
 }
 
+TEST(NearWhite, RangeOfManyColoursIsThatOfEach) {
+  for (int first = 0; first < 300; first += 20) {
+    const auto all = colours(0, 1, 300);
+    ColorRange range;
+    float low = 1, high = 0;
+    for (int i = first; i < first + 20; ++i) {
+      const Rgb& c = all[std::size_t(i)];
+      const UpsampledColor packed = UpsampledColor::of_rgb(float(c[0]), float(c[1]), float(c[2]));
+      range.extend(packed);
+      low = std::min(low, packed.range().first), high = std::max(high, packed.range().second);
+    }
+    EXPECT_NEAR(range.values().first, low, 1e-6f);
+    EXPECT_NEAR(range.values().second, high, 1e-6f);
+  }
+}
+
 TEST(NearWhite, CompactColoursAreTheirSpectra) {
   for (const Rgb& c : colours(0, 1, 300)) {
     const SigmoidSpectrum s = from_table(c);

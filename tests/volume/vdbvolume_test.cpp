@@ -215,6 +215,16 @@ TEST(NvdbVolume, DamagedNodesAreErrorsOrValues) {
   }
 }
 
+// A file of 30 KB describes boxes of 1e9 and 1e18 voxels.
+TEST(VdbFiles, VoxelsFarApartNeedLittleMemoryOrAreErrors) {
+  const auto file = source_dir() / "tests/references/scenes/volumes/far.vdb";
+  const VolumePtr near = build_vdb(file, choice("grid", "near"));
+  EXPECT_FLOAT_EQ(near->maximum(), 1);
+  const std::string message = error_of([&] { build_vdb(file, choice("grid", "far")); });
+  EXPECT_NE(message.find("far.vdb\" is too large: the box around the grid \"far\""), std::string::npos)
+      << message;
+}
+
 TEST(VdbFiles, BadFilesAreLocatedErrors) {
   VolumeFolder folder;
   const std::string good = bytes_of(sample("vdb"));

@@ -3,8 +3,22 @@
 
 #include <algorithm>
 #include <cctype>
+#include <mutex>
 
 namespace aureole {
+
+FileName::FileName(const std::string& name) {
+  static std::mutex mutex;
+  static std::unordered_set<std::string> names;
+  if (name.empty()) return;
+  const std::lock_guard lock(mutex);
+  name_ = &*names.insert(name).first;
+}
+
+const std::string& FileName::str() const {
+  static const std::string none;
+  return name_ ? *name_ : none;
+}
 
 std::string SourceLocation::str() const {
   std::string s = file;

@@ -11,9 +11,26 @@
 
 namespace aureole {
 
+/// The name of a file in messages. Each name is stored once per process, so that the locations of a large file
+/// take little memory and are copied fast.
+class FileName {
+public:
+  FileName() = default;
+  FileName(const std::string& name);
+  FileName(const char* name) : FileName(std::string(name)) {}
+
+  const std::string& str() const;
+  operator const std::string&() const { return str(); }
+  bool empty() const { return !name_; }
+  friend bool operator==(FileName a, FileName b) { return a.name_ == b.name_; }
+
+private:
+  const std::string* name_ = nullptr;  ///< null for an empty name
+};
+
 /// A position in a text file. `line` and `column` count from 1; 0 means unknown.
 struct SourceLocation {
-  std::string file;
+  FileName file;
   int line = 0;
   int column = 0;
 

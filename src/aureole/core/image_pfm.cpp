@@ -10,6 +10,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
+#include "aureole/core/parallel.h"
 
 namespace aureole::codec {
 
@@ -57,12 +58,24 @@ Image read_pfm(Bytes bytes, std::size_t max_pixels) {
   const std::size_t row = std::size_t(width) * std::size_t(channels);
   const Bytes pixels = bytes.subspan(words.end());
   if (pixels.size() < row * std::size_t(height) * sizeof(float)) throw Error("the file is truncated");
-  return make_image(int(width), int(height), channels, false, [&](std::size_t i) {
-    const std::size_t from_bottom = (std::size_t(height) - 1 - i / row) * row + i % row;
-    std::uint32_t bits;
-    std::memcpy(&bits, pixels.data() + from_bottom * sizeof bits, sizeof bits);
-    return std::bit_cast<float>(scale < 0 ? bits : __builtin_bswap32(bits)) * float(std::abs(scale));
+  Image image;
+  image.width = int(width), image.height = int(height);
+  image.channels = channel_names(channels);
+  image.pixels.resize(row * std::size_t(height));
+  const float factor = float(std::abs(scale));
+  for_rows(image.width, image.height, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) {
+      float* line = image.pixels.data() + y * row;
+      std::memcpy(line, pixels.data() + (std::size_t(height) - 1 - y) * row * sizeof(float),
+                  row * sizeof(float));
+      if (scale > 0)
+        for (std::size_t i = 0; i < row; ++i)
+          line[i] = std::bit_cast<float>(__builtin_bswap32(std::bit_cast<std::uint32_t>(line[i])));
+      if (factor != 1)
+        for (std::size_t i = 0; i < row; ++i) line[i] *= factor;
+    }
   });
+  return image;
 }
 
 std::vector<char> encode_pfm(const Image& image) {

@@ -52,7 +52,13 @@ void limit_library_threads() {
 #endif
 
 void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain) {
-  share_ranges(n, body, grain, default_thread_count(), run_workers);
+  if (n > grain) return share_ranges(n, body, grain, default_thread_count(), run_workers);
+  if (n > 0) body(0, n);  // a small mesh, of which a scene may have many: no threads
+}
+
+void for_rows(int width, int height, const std::function<void(std::size_t, std::size_t)>& body) {
+  constexpr int kPixels = 1 << 16;  // of one range
+  for_ranges(std::size_t(height), body, std::size_t(std::max(1, kPixels / std::max(1, width))));
 }
 
 }  // namespace aureole

@@ -23,4 +23,7 @@ void limit_library_threads();
 void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body,
                 std::size_t grain = 1 << 14);
 
+/// Calls `body(begin, end)` for ranges of rows of a picture, on all cores.
+void for_rows(int width, int height, const std::function<void(std::size_t, std::size_t)>& body);
+
 }  // namespace aureole

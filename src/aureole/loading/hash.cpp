@@ -76,7 +76,9 @@ public:
   /// Hash of an element's content, without its name and without ids.
   std::uint64_t content(const Node& node) {
     if (const Node* target = references_.follow(node); target && target != &node) return content(*target);
-    if (const auto known = contents_.find(&node); known != contents_.end()) return known->second;
+    const bool is_leaf = node.children.empty();  // cheaper to hash than to look up
+    if (const auto known = is_leaf ? contents_.end() : contents_.find(&node); known != contents_.end())
+      return known->second;
     Hash hash;
     hash.text(node.tag);
     for (const Attribute& a : node.attributes) {
@@ -89,12 +91,14 @@ public:
       hash.text(child.get("name"));
       hash.number(content(child));
     }
-    return contents_[&node] = hash.value();
+    if (!is_leaf) contents_[&node] = hash.value();
+    return hash.value();
   }
 
   std::uint64_t key(const Node& node, bool without_children_of_shape = false) {
     if (const Node* target = references_.follow(node); target && target != &node) return key(*target);
-    if (const auto known = known_.find(&node); known != known_.end() && !without_children_of_shape)
+    const bool is_kept = !without_children_of_shape && !node.children.empty();
+    if (const auto known = is_kept ? known_.find(&node) : known_.end(); known != known_.end())
       return known->second;
     Hash hash;
     hash.text(node.tag);
@@ -111,7 +115,7 @@ public:
       hash.text(child.get("name"));  // the name of a reference is not part of its target's hash
       hash.number(key(child));
     }
-    if (!without_children_of_shape) known_[&node] = hash.value();
+    if (is_kept) known_[&node] = hash.value();
     return hash.value();
   }
 

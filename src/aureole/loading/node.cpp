@@ -10,6 +10,7 @@ namespace aureole {
 
 namespace {
 
+const std::string kNone;
 const std::vector<std::string> kProperties = {"boolean", "integer", "float",    "string",   "point",
                                               "vector",  "rgb",     "spectrum", "transform"};
 const std::vector<std::string> kOthers = {"scene", "default",   "include", "path",  "ref",    "alias",
@@ -31,9 +32,9 @@ Attribute* Node::find(std::string_view name) {
   return const_cast<Attribute*>(static_cast<const Node*>(this)->find(name));
 }
 
-std::string Node::get(std::string_view name) const {
+const std::string& Node::get(std::string_view name) const {
   const Attribute* a = find(name);
-  return a ? a->value : "";
+  return a ? a->value : kNone;
 }
 
 void Node::set(std::string_view name, std::string value) {
@@ -49,9 +50,9 @@ Node* Node::named_child(std::string_view name) {
   return nullptr;
 }
 
-std::string object_family(const Node& node) {
+const std::string& object_family(const Node& node) {
   const FamilyInfo* family = Registry::instance().family_of_element(node.tag, node.find("type") != nullptr);
-  return family ? family->name : "";
+  return family ? family->name : kNone;
 }
 
 bool is_property(const Node& node) { return contains(kProperties, node.tag) && object_family(node).empty(); }

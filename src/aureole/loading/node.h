@@ -45,7 +45,7 @@ struct Node {
   const Attribute* find(std::string_view name) const;
   Attribute* find(std::string_view name);
   /// Returns the attribute's value, or an empty string.
-  std::string get(std::string_view name) const;
+  const std::string& get(std::string_view name) const;
   /// Changes an attribute, or adds it with the node's location.
   void set(std::string_view name, std::string value);
   /// Returns the child whose attribute "name" equals `name`, or null.
@@ -54,7 +54,7 @@ struct Node {
 
 /// Returns the plug-in family of an object element ("texture" for <spectrum type="...">), or an empty string
 /// for any other element.
-std::string object_family(const Node& node);
+const std::string& object_family(const Node& node);
 
 /// Whether the node is a <float>, <rgb>, <transform> or another element that gives a parameter a value.
 bool is_property(const Node& node);

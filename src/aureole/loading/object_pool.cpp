@@ -58,9 +58,13 @@ public:
 private:
   template <class Accept>
   bool take(const Properties& properties, const Accept& accept) {
-    for (const auto& e : pool_.shapes_)
-      if (!e->taken && e->key == key_ && e->attributes == properties.shown_attributes() && accept(*e)) {
-        entry_ = e.get();
+    const auto found = pool_.shapes_.find(key_);
+    if (found == pool_.shapes_.end()) return false;
+    auto& [entries, taken] = found->second;
+    while (taken < entries.size() && entries[taken]->taken) ++taken;
+    for (std::size_t i = taken; i < entries.size(); ++i)
+      if (Entry& e = *entries[i]; !e.taken && e.attributes == properties.shown_attributes() && accept(e)) {
+        entry_ = &e;
         return entry_->taken = true;
       }
     return false;
@@ -82,7 +86,10 @@ void ObjectPool::begin(const BuildContext& context) {
     objects_.clear(), shapes_.clear();
   grid_ = context.grid, length_unit_m_ = context.length_unit_m;
   energy_preserving_ = context.energy_preserving;
-  for (const auto& e : shapes_) e->taken = false;
+  for (auto& [key, equal] : shapes_) {
+    equal.taken = 0;
+    for (const auto& e : equal.entries) e->taken = false;
+  }
 }
 
 ObjectPtr ObjectPool::find(const Key& key) const {
@@ -95,8 +102,8 @@ std::unique_ptr<GeometrySource> ObjectPool::geometry_source(const Key& key) {
 }
 
 ObjectPool::Entry& ObjectPool::add_entry(std::uint64_t key, const std::vector<std::string>& attributes) {
-  Entry& entry = *shapes_.emplace_back(std::make_unique<Entry>());
-  entry.key = key, entry.attributes = attributes;
+  Entry& entry = *shapes_[key].entries.emplace_back(std::make_unique<Entry>());
+  entry.attributes = attributes;
   return entry;
 }
 
@@ -107,12 +114,16 @@ bool ObjectPool::Entry::is_unused() const {
 }
 
 void ObjectPool::trim() {
-  std::erase_if(shapes_, [](const auto& e) { return e->is_unused(); });
-  for (const auto& e : shapes_) {
-    for (auto& sampler : e->samplers)
-      if (sampler.use_count() == 1) sampler = nullptr;
-    std::erase_if(e->materials, [](const auto& m) { return m.second.bsdf.use_count() <= 1; });
+  for (auto& [key, equal] : shapes_) {
+    equal.taken = 0;
+    std::erase_if(equal.entries, [](const auto& e) { return e->is_unused(); });
+    for (const auto& e : equal.entries) {
+      for (auto& sampler : e->samplers)
+        if (sampler.use_count() == 1) sampler = nullptr;
+      std::erase_if(e->materials, [](const auto& m) { return m.second.bsdf.use_count() <= 1; });
+    }
   }
+  std::erase_if(shapes_, [](const auto& keyed) { return keyed.second.entries.empty(); });
   // Releasing one object may release others of the pool: repeats until nothing changes.
   while (std::erase_if(objects_, [](const auto& e) { return e.second.use_count() == 1; }) > 0) {
   }

@@ -53,7 +53,6 @@ private:
   /// Geometry of one element, with its parts and samplers. It is used at most once per build, because two
   /// shapes of a scene never share one geometry.
   struct Entry {
-    std::uint64_t key = 0;
     std::vector<std::string> attributes;
     ShapePtr shape;                                  ///< the shape; null if the mesh was divided
     std::shared_ptr<const MeshParts> parts;          ///< the parts of a divided mesh
@@ -63,10 +62,15 @@ private:
 
     bool is_unused() const;
   };
+  /// Geometries of equal elements.
+  struct EqualShapes {
+    std::vector<std::unique_ptr<Entry>> entries;
+    std::size_t taken = 0;  ///< the first so many entries are taken
+  };
   Entry& add_entry(std::uint64_t key, const std::vector<std::string>& attributes);
 
   std::unordered_map<std::uint64_t, ObjectPtr> objects_;
-  std::vector<std::unique_ptr<Entry>> shapes_;
+  std::unordered_map<std::uint64_t, EqualShapes> shapes_;  ///< by `Key::geometry`
   std::shared_ptr<ModelCache> models_ = std::make_shared<ModelCache>();
   SpectralGrid grid_;
   double length_unit_m_ = 0;

@@ -36,8 +36,8 @@ std::optional<std::string> text_of(const fs::path& file, const SourceLocation& w
 /// its names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
 class LocatedText {
 public:
-  LocatedText(std::string text, std::string file)
-      : buffer(text), original_(std::move(text)), file_(std::move(file)) {
+  LocatedText(std::string text, const std::string& file)
+      : buffer(text), original_(std::move(text)), file_(file) {
     for (std::size_t i = 0; i < original_.size(); ++i) {
       if (i % kBlock == 0) counts_.push_back(characters_);
       characters_ += begins_character(i);
@@ -47,10 +47,17 @@ public:
 
   SourceLocation at(std::size_t offset) const {
     offset = std::min(offset, original_.size());
-    const auto line =
-        std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - line_starts_.begin();
-    const std::size_t start = line_starts_[std::size_t(line - 1)];
-    return {file_, int(line), 1 + int(characters_before(offset) - characters_before(start))};
+    // The parser goes forwards: most positions lie in the line of the last one or in the next line.
+    const auto is_in = [&](std::size_t line) {
+      return line_starts_[line] <= offset &&
+             (line + 1 == line_starts_.size() || offset < line_starts_[line + 1]);
+    };
+    if (!is_in(last_line_) && (last_line_ + 1 == line_starts_.size() || !is_in(++last_line_)))
+      last_line_ = std::size_t(std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) -
+                               line_starts_.begin()) -
+                   1;
+    return {file_, int(last_line_) + 1,
+            1 + int(characters_before(offset) - characters_before(line_starts_[last_line_]))};
   }
   /// Returns an unknown line for pointers outside the text, such as the empty value of an attribute.
   SourceLocation at(const char* p, std::size_t back = 0) const {
@@ -73,8 +80,10 @@ private:
 
   /// The number of characters before each block of bytes, so that a position in a long line is found quickly.
   static constexpr std::size_t kBlock = 64;
-  std::string original_, file_;
+  std::string original_;
+  FileName file_;
   std::vector<std::size_t> line_starts_{0}, counts_;
+  mutable std::size_t last_line_ = 0;  ///< line of the last position, counted from 0
   std::size_t characters_ = 0;
 };
 
@@ -131,7 +140,9 @@ private:
   /// Returns the element without its children.
   Node shell(pugi::xml_node element, const LocatedText& text, const SourceFilePtr& file) {
     Node node{element.name(), {}, {}, text.at(element.name(), 1), file};
-    for (const pugi::xml_attribute a : element.attributes()) {
+    const auto attributes = element.attributes();
+    node.attributes.reserve(std::size_t(std::distance(attributes.begin(), attributes.end())));
+    for (const pugi::xml_attribute a : attributes) {
       Attribute attribute{a.name(), a.value(), text.at(a.value())};
       if (attribute.where.line == 0) attribute.where = text.at(a.name());
       try {
@@ -152,7 +163,10 @@ private:
                          "elements are nested more than " + std::to_string(kDeepestElement) + " deep");
       return;
     }
-    for (const pugi::xml_node child : element.children()) {
+    const auto children = element.children();
+    parent.children.reserve(parent.children.size() +
+                            std::size_t(std::distance(children.begin(), children.end())));
+    for (const pugi::xml_node child : children) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
         const SourceLocation where = text.at(child.value());
         diagnostics_.error(where.line ? where : parent.where,

@@ -36,17 +36,20 @@ std::string searched(const SourceFile& from, const std::vector<std::filesystem::
 }  // namespace
 
 Ids::Ids(Node& root, bool complete, Diagnostics& diagnostics) : root_(&root) {
-  collect(root, diagnostics);
-  collect_aliases(root, complete, diagnostics);
+  collect_all(complete, diagnostics);
 }
 
-Ids::Ids(Node& root) : root_(&root) {
-  Diagnostics unheard;
-  collect(root, unheard);
-  collect_aliases(root, true, unheard);
+void Ids::collect_all(bool complete, Diagnostics& diagnostics) const {
+  is_collected_ = true;  // first: aliases are found by looking up ids
+  collect(*root_, diagnostics);
+  collect_aliases(*root_, complete, diagnostics);
 }
 
 Ids::Held Ids::find(const std::string& id) const {
+  if (!is_collected_) {
+    Diagnostics unheard;
+    collect_all(true, unheard);
+  }
   const auto found = entries_.find(id);
   return found == entries_.end() ? Held{} : found->second.held;
 }
@@ -57,14 +60,15 @@ Error Ids::unknown(const Attribute& id) const {
   return Error(id.where, "no object has the id \"" + id.value + "\"" + did_you_mean(id.value, names));
 }
 
-void Ids::add(const Attribute& id, const Held& held, const SourceLocation& place, Diagnostics& diagnostics) {
+void Ids::add(const Attribute& id, const Held& held, const SourceLocation& place,
+              Diagnostics& diagnostics) const {
   const auto [entry, is_new] = entries_.try_emplace(id.value, Entry{held, place});
   if (!is_new)
     diagnostics.error(id.where,
                       "the id \"" + id.value + "\" is taken: first given at " + entry->second.place.str());
 }
 
-void Ids::collect(Node& parent, Diagnostics& diagnostics) {
+void Ids::collect(Node& parent, Diagnostics& diagnostics) const {
   for (std::size_t i = 0; i < parent.children.size(); ++i) {
     Node& node = parent.children[i];
     const Attribute* id = node.find("id");
@@ -74,7 +78,7 @@ void Ids::collect(Node& parent, Diagnostics& diagnostics) {
   }
 }
 
-void Ids::collect_aliases(const Node& parent, bool complete, Diagnostics& diagnostics) {
+void Ids::collect_aliases(const Node& parent, bool complete, Diagnostics& diagnostics) const {
   for (const Node& node : parent.children) {
     if (node.tag == "alias" && check_attributes(node, {"id", "as"}, {}, diagnostics)) {
       const Attribute& id = *node.find("id");
@@ -158,6 +162,7 @@ private:
 
   /// Traverses objects and references depth-first and cuts references that lead back into the current path.
   Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
+    if (node.children.empty()) return {};
     if (const auto known = extents_.find(&node); known != extents_.end()) return known->second;
     path.push_back(&node);
     Extent extent;

@@ -24,8 +24,8 @@ public:
     std::size_t child = 0;  ///< index among the parent's children
   };
 
-  /// If an id is given twice, the first object is used.
-  explicit Ids(Node& root);
+  /// If an id is given twice, the first object is used. The tree is read when the first id is looked up.
+  explicit Ids(Node& root) : root_(&root) {}
   /// Also reports duplicate ids and, if the whole tree could be read (`complete`), aliases of unknown ids.
   Ids(Node& root, bool complete, Diagnostics& diagnostics);
 
@@ -37,16 +37,19 @@ public:
   Error unknown(const Attribute& id) const;
 
 private:
-  void collect(Node& parent, Diagnostics& diagnostics);
-  void collect_aliases(const Node& parent, bool complete, Diagnostics& diagnostics);
-  void add(const Attribute& id, const Held& held, const SourceLocation& place, Diagnostics& diagnostics);
+  void collect_all(bool complete, Diagnostics& diagnostics) const;
+  void collect(Node& parent, Diagnostics& diagnostics) const;
+  void collect_aliases(const Node& parent, bool complete, Diagnostics& diagnostics) const;
+  void add(const Attribute& id, const Held& held, const SourceLocation& place,
+           Diagnostics& diagnostics) const;
 
   struct Entry {
     Held held;
     SourceLocation place;  ///< location of the object or the alias
   };
   Node* root_;
-  std::map<std::string, Entry> entries_;
+  mutable bool is_collected_ = false;
+  mutable std::map<std::string, Entry> entries_;
 };
 
 /// The targets of a scene's references, and its files. Holds pointers into the node tree, which must not

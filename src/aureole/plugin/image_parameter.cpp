@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "aureole/core/parallel.h"
 #include "aureole/plugin/array.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/spectrum/value_limit.h"
@@ -59,6 +60,46 @@ ImageParameter read_image_parameter(const Properties& p, ImageColors colors, std
 /// that sRGB does not have.
 constexpr double kNegativePart = 0.1;
 
+namespace {
+
+struct PixelStatistics {
+  float largest = 0;            ///< of the magnitudes
+  double above = 0, below = 0;  ///< sums of the magnitudes of positive and of negative values
+  bool all_finite = true;
+};
+
+/// Returns the statistics of the finite values of some channels. Rows are summed one by one, so that the sums
+/// do not depend on the threads.
+PixelStatistics statistics_of(const Image& image, const std::vector<std::size_t>& used) {
+  const std::size_t channels = image.channel_count(), row = std::size_t(image.width) * channels;
+  std::vector<PixelStatistics> rows(std::size_t(image.height));
+  for_rows(image.width, image.height, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) {
+      PixelStatistics s;
+      for (const std::size_t c : used)
+        for (std::size_t i = y * row + c; i < (y + 1) * row; i += channels) {
+          const float size = std::abs(image.pixels[i]);
+          if (!std::isfinite(size)) {
+            s.all_finite = false;
+            continue;
+          }
+          s.largest = std::max(s.largest, size);
+          (image.pixels[i] < 0 ? s.below : s.above) += double(size);
+        }
+      rows[y] = s;
+    }
+  });
+  PixelStatistics all;
+  for (const PixelStatistics& s : rows) {
+    all.largest = std::max(all.largest, s.largest);
+    all.above += s.above, all.below += s.below;
+    all.all_finite &= s.all_finite;
+  }
+  return all;
+}
+
+}  // namespace
+
 void mend_pixels(const Properties& p, std::string_view name, Image& image, PixelRange range) {
   const std::size_t channels = image.channel_count(), pixels = image.pixels.size() / channels;
   std::vector<std::size_t> used;
@@ -69,16 +110,8 @@ void mend_pixels(const Properties& p, std::string_view name, Image& image, Pixel
     return fmt::format("column {}, row {}", pixel % std::size_t(image.width),
                        pixel / std::size_t(image.width));
   };
-  float largest = 0;
-  for (std::size_t i = 0; i < pixels; ++i)
-    for (const std::size_t c : used)
-      if (const float v = image.pixels[i * channels + c]; std::isfinite(v))
-        largest = std::max(largest, std::abs(v));
-  double above = 0, below = 0;
-  for (std::size_t i = 0; i < pixels; ++i)
-    for (const std::size_t c : used)
-      if (const float v = image.pixels[i * channels + c]; std::isfinite(v))
-        (v < 0 ? below : above) += std::abs(double(v));
+  const auto [largest, above, below, all_finite] = statistics_of(image, used);
+  if (all_finite && (below == 0 || range == PixelRange::any)) return;
   std::size_t bad = 0, first_bad = 0, negative = 0, first_negative = 0;
   constexpr double kNone = std::numeric_limits<double>::infinity();
   NoiseClamp clamp(range == PixelRange::any ? -kNone : 0, kNone, largest);

@@ -49,6 +49,8 @@ void Registry::add(FamilyInfo info) {
   if (family(info.name)) throw std::logic_error("family registered twice: " + info.name);
   for (PluginInfo& plugin : plugins_)
     if (plugin.family == info.name) add_shared_parameters(plugin, info);
+  family_index_.emplace(info.name, families_.size());
+  if (!info.second_element.empty()) second_element_index_.emplace(info.second_element, families_.size());
   families_.push_back(std::move(info));
 }
 
@@ -57,25 +59,26 @@ void Registry::add(PluginInfo info) {
     throw std::logic_error("plug-in registered twice: " + info.family + " " + info.name);
   if (const FamilyInfo* known = family(info.family)) add_shared_parameters(info, *known);
   info.create = [create = std::move(info.create)](const Properties& p) { return p.make(create); };
+  plugin_index_[info.family].emplace(info.name, plugins_.size());
   plugins_.push_back(std::move(info));
 }
 
 const FamilyInfo* Registry::family(std::string_view name) const {
-  for (const FamilyInfo& f : families_)
-    if (f.name == name) return &f;
-  return nullptr;
+  const auto found = family_index_.find(name);
+  return found == family_index_.end() ? nullptr : &families_[found->second];
 }
 
 const FamilyInfo* Registry::family_of_element(std::string_view tag, bool has_type) const {
-  for (const FamilyInfo& f : families_)
-    if (f.name == tag || (has_type && f.second_element == tag)) return &f;
-  return nullptr;
+  if (const FamilyInfo* named = family(tag); named || !has_type) return named;
+  const auto found = second_element_index_.find(tag);
+  return found == second_element_index_.end() ? nullptr : &families_[found->second];
 }
 
 const PluginInfo* Registry::find(std::string_view family, std::string_view name) const {
-  for (const auto& p : plugins_)
-    if (p.family == family && p.name == name) return &p;
-  return nullptr;
+  const auto of_family = plugin_index_.find(family);
+  if (of_family == plugin_index_.end()) return nullptr;
+  const auto found = of_family->second.find(name);
+  return found == of_family->second.end() ? nullptr : &plugins_[found->second];
 }
 
 std::vector<std::string> Registry::families() const {

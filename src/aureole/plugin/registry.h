@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -89,8 +90,17 @@ public:
   const std::vector<PluginInfo>& all() const { return plugins_; }
 
 private:
+  struct TextHash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view text) const { return std::hash<std::string_view>()(text); }
+  };
+  template <class T>
+  using ByName = std::unordered_map<std::string, T, TextHash, std::equal_to<>>;
+
   std::vector<FamilyInfo> families_;
   std::vector<PluginInfo> plugins_;
+  ByName<std::size_t> family_index_, second_element_index_;  ///< indices into families_
+  ByName<ByName<std::size_t>> plugin_index_;                 ///< indices into plugins_ by family and name
 };
 
 using NamedValues = std::vector<std::pair<std::string, Properties::Value>>;

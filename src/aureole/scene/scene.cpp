@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -35,6 +38,29 @@ void require_near(const Properties& object, const Bounds3& box) {
     throw misplaced(object, "reaches beyond the coordinate 9e17, where rays end");
 }
 
+/// Returns a note on shapes that are so far from the origin, compared with their size, that single precision holds few
+/// positions on them; empty if there are none. The limit is a part of the diagonal of the bounds. In a room 2 wide
+/// with a glass ball, moved by 1e3, 1e4 and 1e5 along each axis, the mean changes by -0.01, -0.2 and -3 %.
+std::string rounding_note(const std::vector<Primitive>& parts) {
+  constexpr double kPart = 5e-4;
+  const Primitive* first = nullptr;
+  std::size_t count = 0;
+  double step = 0, size = 0, reach = 0;  // of the first one
+  for (const Primitive& part : parts) {
+    const Bounds3 box = part.bounds();
+    const float at = reach_of(box), step_here = std::nextafter(at, kInfinity) - at;
+    const double diagonal = double(length(box.diagonal()));
+    if (!(diagonal > 0) || double(step_here) <= kPart * diagonal) continue;
+    if (count++ == 0) first = &part, step = double(step_here), size = diagonal, reach = double(at);
+  }
+  if (!first) return {};
+  return fmt::format(
+      "{}: positions on this shape of size {:.3g} are rounded to {:.2g}, because it lies {:.3g} from the origin and "
+      "single precision has 7 digits: the picture may be wrong. Move the scene to the origin{}",
+      first->element->where().str(), size, step, reach,
+      count == 1 ? "" : fmt::format(" (so for {} shapes)", count));
+}
+
 }  // namespace
 
 Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
@@ -48,6 +74,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
     require_near(*part.element, part.bounds());
     places.extend(part.bounds());
   }
+  if (std::string note = rounding_note(parts_.surfaces); !note.empty()) notes_.push_back(std::move(note));
   make_lights();
   for (const Light& light : emitters_)
     if (!light.shape && !light.is_infinite()) {

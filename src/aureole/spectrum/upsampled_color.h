@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "aureole/spectrum/spectrum.h"
@@ -57,6 +58,44 @@ struct alignas(16) UpsampledColor {
     const float low = scale * std::min({a, b, vertex}), high = scale * std::max({a, b, vertex});
     return scale < 0 ? std::pair(1 + high, 1 + low) : std::pair(low, high);
   }
+};
+
+/// The range of the values of many colours over all wavelengths.
+class ColorRange {
+public:
+  void extend(const UpsampledColor& color) {
+    if (color.scale != 1) {
+      const auto [low, high] = color.range();
+      return extend(low, high);
+    }
+    // The sigmoid is monotonic: its arguments are compared, which are cheaper.
+    constexpr float kFrom = SigmoidPolynomial::kMinNm, kTo = SigmoidPolynomial::kMaxNm;
+    const auto argument = [&](float nm) { return (color.c0 * nm + color.c1) * nm + color.c2; };
+    const float a = argument(kFrom), b = argument(kTo);
+    lowest_argument_ = std::min({lowest_argument_, a, b});
+    highest_argument_ = std::max({highest_argument_, a, b});
+    if ((2 * color.c0 * kFrom + color.c1) * (2 * color.c0 * kTo + color.c1) < 0) {
+      const float vertex = argument(-color.c1 / (2 * color.c0));
+      lowest_argument_ = std::min(lowest_argument_, vertex);
+      highest_argument_ = std::max(highest_argument_, vertex);
+    }
+  }
+  void extend(float low, float high) { low_ = std::min(low_, low), high_ = std::max(high_, high); }
+  void extend(const ColorRange& other) {
+    extend(other.low_, other.high_);
+    lowest_argument_ = std::min(lowest_argument_, other.lowest_argument_);
+    highest_argument_ = std::max(highest_argument_, other.highest_argument_);
+  }
+  /// Smallest and largest value; infinite, the larger one first, if there are none.
+  std::pair<float, float> values() const {
+    if (!(lowest_argument_ <= highest_argument_)) return {low_, high_};
+    const auto value = [](float argument) { return SigmoidPolynomial{0, 0, argument}.at(0); };
+    return {std::min(low_, value(lowest_argument_)), std::max(high_, value(highest_argument_))};
+  }
+
+private:
+  float low_ = std::numeric_limits<float>::infinity(), high_ = -low_;
+  float lowest_argument_ = low_, highest_argument_ = high_;  ///< of the sigmoids of colours of scale 1
 };
 
 }  // namespace aureole

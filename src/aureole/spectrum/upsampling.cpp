@@ -64,17 +64,22 @@ SigmoidPolynomial look_up(const float (&rgb)[3]) {
 
   const int stride_j = 3 * n, stride_k = stride_j * n;
   const float* corner = the_table.coefficients + ((l * n + k) * n + j) * stride_j + i * 3;
-  float c[3];
-  for (int a = 0; a < 3; ++a) {
-    const float* p = corner + a;
-    const auto along_x = [&](const float* q) { return q[0] + fx * (q[3] - q[0]); };
-    const auto along_y = [&](const float* q) {
-      const float low = along_x(q);
-      return low + fy * (along_x(q + stride_j) - low);
-    };
-    const float low = along_y(p);
-    c[a] = scale * (low + fz * (along_y(p + stride_k) - low));
-  }
+  // The three coefficients are interpolated side by side, with the number after them, which is not used.
+  using Four = float __attribute__((vector_size(16)));
+  const auto node = [](const float* q) {
+    Four values;
+    std::memcpy(&values, q, sizeof values);
+    return values;
+  };
+  const auto along_x = [&](const float* q) {
+    const Four low = node(q);
+    return low + fx * (node(q + 3) - low);
+  };
+  const auto along_y = [&](const float* q) {
+    const Four low = along_x(q);
+    return low + fy * (along_x(q + stride_j) - low);
+  };
+  const Four low = along_y(corner), c = scale * (low + fz * (along_y(corner + stride_k) - low));
   return {c[0], c[1], c[2]};
 }
 

@@ -4,10 +4,15 @@
 // picture is at v = 0.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "aureole/core/image.h"
+#include "aureole/core/parallel.h"
 #include "aureole/core/units.h"
 #include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
@@ -179,6 +184,32 @@ private:
     return rule(colors_[i]);
   }
 
+  /// Throws the error of the first pixel that is negative.
+  static void refuse_negative(const Properties& properties, const std::string& source, const Image& image,
+                              const std::vector<int>& channels) {
+    constexpr std::size_t kNone = ~std::size_t(0);
+    std::atomic<std::size_t> first = kNone;  // index of a pixel
+    for_rows(image.width, image.height, [&](std::size_t begin, std::size_t end) {
+      const std::size_t width = std::size_t(image.width), count = image.channel_count();
+      for (std::size_t i = begin * width; i < end * width; ++i) {
+        bool negative = false;
+        for (const int c : channels) negative |= image.pixels[i * count + std::size_t(c)] < 0;
+        if (!negative) continue;
+        for (std::size_t known = first; i < known && !first.compare_exchange_weak(known, i);) {
+        }
+        return;
+      }
+    });
+    if (first == kNone) return;
+    const int px = int(first % std::size_t(image.width)), py = int(first / std::size_t(image.width));
+    for (const int c : channels)
+      if (const float v = image.at(px, py, std::size_t(c)); v < 0)
+        throw properties.error(
+            source, "the pixel at column " + std::to_string(px) + ", row " + std::to_string(py) + " is " +
+                        shown_number(v) +
+                        "; a texture needs values that are not negative (\"raw\" takes them)");
+  }
+
   void load(const Properties& properties, bool raw) {
     auto [image, source] = read_image_parameter(properties, raw ? ImageColors::stored : ImageColors::srgb);
     width_ = image.width;
@@ -192,30 +223,28 @@ private:
       throw properties.error(source, "needs the channels R, G, B or Y, but the picture has " + names);
     }
     mend_pixels(properties, source, image, raw ? PixelRange::any : PixelRange::not_negative);
+    if (!raw) refuse_negative(properties, source, image, color ? std::vector{r, g, b} : std::vector{y});
     const bool decode = image.srgb_encoded && !raw;
     std::array<float, 256> decoded;
     for (int i = 0; i < 256; ++i) decoded[i] = srgb_decode(float(i) / 255);
     const auto value = [&](int px, int py, int c) {
       const float v = image.at(px, py, std::size_t(c));
-      if (v < 0 && !raw)
-        throw properties.error(
-            source, "the pixel at column " + std::to_string(px) + ", row " + std::to_string(py) + " is " +
-                        shown_number(v) +
-                        "; a texture needs values that are not negative (\"raw\" takes them)");
       if (!decode) return v;
       const float level = v * 255;
       return level <= 255 && level == std::floor(level) ? decoded[int(level)] : srgb_decode(v);
     };
-    const auto each_texel = [&](auto&& f) {
-      for (int py = 0; py < height_; ++py)
-        for (int px = 0; px < width_; ++px) f(std::size_t(py) * width_ + px, px, py);
-    };
     const std::size_t count = std::size_t(width_) * height_;
-    minimum_ = kInfinity;
-    maximum_ = -kInfinity;
-    const auto extend = [&](float lower, float upper) {
-      minimum_ = std::min(minimum_, lower);
-      maximum_ = std::max(maximum_, upper);
+    ColorRange values;
+    std::mutex mutex;
+    // Sets all texels by `set(i, px, py, range)`, which extends the range by the texel's values.
+    const auto each_texel = [&](auto&& set) {
+      for_rows(width_, height_, [&](std::size_t begin, std::size_t end) {
+        ColorRange range;
+        for (int py = int(begin); py < int(end); ++py)
+          for (int px = 0; px < width_; ++px) set(std::size_t(py) * width_ + px, px, py, range);
+        const std::lock_guard lock(mutex);
+        values.extend(range);
+      });
     };
     bool grey = !color;
     if (color && !raw) {
@@ -229,25 +258,25 @@ private:
     }
     if (grey) {
       greys_.resize(count);
-      each_texel([&](std::size_t i, int px, int py) {
+      each_texel([&](std::size_t i, int px, int py, ColorRange& range) {
         greys_[i] = value(px, py, color ? r : y);
-        extend(greys_[i], greys_[i]);
+        range.extend(greys_[i], greys_[i]);
       });
     } else if (raw) {
       // Raw colours have no spectrum; their scalar value is the luminance.
       rgbs_.resize(count);
-      each_texel([&](std::size_t i, int px, int py) {
+      each_texel([&](std::size_t i, int px, int py, ColorRange& range) {
         rgbs_[i] = {value(px, py, r), value(px, py, g), value(px, py, b)};
-        extend(luminance(rgbs_[i]), luminance(rgbs_[i]));
+        range.extend(luminance(rgbs_[i]), luminance(rgbs_[i]));
       });
     } else {
       colors_.resize(count);
-      each_texel([&](std::size_t i, int px, int py) {
+      each_texel([&](std::size_t i, int px, int py, ColorRange& range) {
         colors_[i] = UpsampledColor::of_rgb(value(px, py, r), value(px, py, g), value(px, py, b));
-        const auto [lower, upper] = colors_[i].range();
-        extend(lower, upper);
+        range.extend(colors_[i]);
       });
     }
+    std::tie(minimum_, maximum_) = values.values();
   }
 
   UvTransform to_uv_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes volumes/cloud.vdb and volumes/cloud.nvdb, the sparse grids of the tests, and values of them that OpenVDB itself interpolates:
+// Writes volumes/cloud.vdb, volumes/far.vdb and volumes/cloud.nvdb, the sparse grids of the tests, and values of them that OpenVDB itself interpolates:
 //
 //     g++ -std=c++17 -O1 -I /usr/include/Imath make_vdb.cpp -lopenvdb -ltbb -lImath-3_1 -lz -o /tmp/make_vdb && /tmp/make_vdb .
 //
@@ -53,6 +53,19 @@ int main(int, char** arguments) {
   io::File file(folder + "cloud.vdb");
   file.setCompression(io::COMPRESS_ZIP | io::COMPRESS_ACTIVE_MASK);
   file.write({temperature, density, color});
+
+  // Two voxels far apart: a small file that describes a large box.
+  GridPtrVec far;
+  for (const auto& [name, distance] : {std::pair("near", 1000), std::pair("far", 1000000)}) {
+    const auto grid = FloatGrid::create(0);
+    grid->setName(name);
+    auto voxels = grid->getAccessor();
+    voxels.setValue(Coord(0), 1.f), voxels.setValue(Coord(distance), 1.f);
+    far.push_back(grid);
+  }
+  io::File far_file(folder + "far.vdb");
+  far_file.setCompression(io::COMPRESS_ZIP | io::COMPRESS_ACTIVE_MASK);
+  far_file.write(far);
 
   using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
   std::vector<Handle> handles;
