@@ -28,7 +28,7 @@ public:
   CommandOption& required() { return required_ = true, *this; }
   /// Makes the help show the target's current value as the default.
   CommandOption& shows_default() { return shows_default_ = true, *this; }
-  /// Sets the total number of values.
+  /// Sets the total number of values. Without it, and without `takes_each_time`, each use of an option takes one word.
   CommandOption& takes(int values) { return values_ = values, *this; }
   /// Sets the number of values per use of the option.
   CommandOption& takes_each_time(int values) { return values_each_time_ = values, *this; }

@@ -76,8 +76,9 @@ private:
     if (o.values_) option->expected(o.values_);
     if (o.values_each_time_) option->type_size(o.values_each_time_);
     if (!o.choices_.empty()) option->check(CLI::IsMember(o.choices_));
-    // Each use of an option takes its number of values, since the next word may be a positional argument.
-    if (o.values_each_time_) option->allow_extra_args(false);
+    // Each use of an option takes its number of values, one if it states none: the next word may be a positional
+    // argument.
+    if (!option->get_positional()) option->allow_extra_args(false);
   }
   static CLI::Option* add(CLI::App& sub, const CommandOption& o, bool& target) {
     return sub.add_flag(o.names_, target, o.help_);

@@ -139,14 +139,12 @@ int droplet_size(const Options& o) {
 
   if (o.pixel_angle.empty() == (o.fov == 0)) throw Error("give either --pixel-angle or --fov");
   if (o.fov != 0 && !(o.fov > 0 && o.fov < 180)) throw Error("--fov must be between 0 and 180 degrees");
-  if (o.azimuths.size() != 2 || o.masks.size() % 3 || (o.center.size() != 2 && !o.center.empty()))
-    throw Error("droplet-size: too few numbers in an option");
+  const PictureParts parts = picture_parts(o.azimuths, o.masks);
   double clip = 0;
   const Image image = linear_picture(o.photo, clip);
   const double tangent = o.fov > 0 ? 2 * std::tan(0.5 * o.fov * kDegree) / image.width
                                    : std::tan(angle_deg("--pixel-angle", o.pixel_angle) * kDegree);
   const PinholeCamera camera{tangent, 0.5 * image.width, 0.5 * image.height};
-  const PictureParts parts{o.azimuths[0], o.azimuths[1], o.masks};
   const auto at = o.center.size() == 2 ? std::array<double, 2>{o.center[0], o.center[1]}
                                        : corona_centre(image, clip, parts);
   if (!(at[0] >= 0 && at[1] >= 0 && at[0] <= image.width && at[1] <= image.height))
@@ -232,7 +230,10 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--index", o->index, "index of refraction of that pane").shows_default();
   options.add("--inner", o->inner,
               "inner angle of the corona used in the fit (default: 5 pixels from the source's edge)");
-  options.add("--azimuths", o->azimuths, "use only these azimuths around the source, degrees, 0 right, 90 up")
+  options
+      .add(
+          "--azimuths", o->azimuths,
+          "use only the azimuths around the source from one to another, degrees, 0 right, 90 up; 300 60 is through 0")
       .takes(2);
   options.add("--mask", o->masks, "exclude a disc of the picture, x y radius in pixels; may be repeated")
       .takes_each_time(3);

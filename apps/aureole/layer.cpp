@@ -23,7 +23,7 @@
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "command.h"
-#include "nested_objects.h"
+#include "messages.h"
 
 namespace aureole {
 namespace {
@@ -37,28 +37,22 @@ struct LayerOptions {
 };
 
 /// Returns the BSDF with that id, or the BSDF of the shape with that id.
-std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& file, const std::string& id) {
-  std::shared_ptr<const Bsdf> found;
+std::shared_ptr<const Bsdf> find_bsdf(const LoadedObjects& loaded, const std::string& file,
+                                      const std::string& id) {
   std::vector<std::string> known;
-  const auto offer = [&](const std::string& its_id, const std::shared_ptr<const Bsdf>& bsdf) {
-    if (!bsdf || its_id.empty()) return;
-    if (its_id == id) found = bsdf;
-    if (std::find(known.begin(), known.end(), its_id) == known.end()) known.push_back(its_id);
-  };
-  for (const Primitive& part : scene.parts().surfaces) {
-    offer(part.element->id(), part.bsdf);
-    visit_nested(*part.element, [&](const ObjectPtr& o) {
-      const auto asset = std::dynamic_pointer_cast<const Asset>(o);
-      const bool has_parts = asset && !asset->primitives().empty();
-      offer(o->id(), has_parts ? asset->primitives()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(o));
-    });
+  for (const auto& [its_id, object] : loaded.objects) {
+    const auto asset = std::dynamic_pointer_cast<const Asset>(object);
+    const bool has_parts = asset && !asset->primitives().empty();
+    const auto bsdf = has_parts ? asset->primitives()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(object);
+    if (!bsdf || its_id.empty()) continue;
+    if (its_id == id) return bsdf;
+    known.push_back(its_id);
   }
-  if (found) return found;
-  std::string all;
-  for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
-  throw Error({file, 0, 0}, (id.empty() ? "name a BSDF or a shape after \"#\""
-                                        : "no BSDF or shape has the id \"" + id + "\"") +
-                                (all.empty() ? "; none of this scene has an id" : "; there are " + all));
+  throw Error({file, 0, 0},
+              (id.empty() ? "name a BSDF or a shape after \"#\""
+                          : "no BSDF or shape has the id \"" + id + "\"" + did_you_mean(id, known)) +
+                  (known.empty() ? "; none of this scene has an id"
+                                 : fmt::format("; there are {}", fmt::join(known, ", "))));
 }
 
 /// X, Y, Z of the illuminant times a spectral fraction, relative to the illuminant's Y.
@@ -100,10 +94,10 @@ int layer(const LayerOptions& options) {
   const std::string file = options.target.substr(0, mark);
   LoadOptions load;
   load.defines = split_defines(options.defines);
-  const std::shared_ptr<const Scene> loaded = load_scene(file, load).scene;
-  const Scene& scene = *loaded;
-  const auto bsdf = find_bsdf(scene, file, mark == std::string::npos ? "" : options.target.substr(mark + 1));
-  const SpectralGrid grid = scene.wavelengths().grid();
+  const LoadedObjects loaded = load_objects(file, load);
+  for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  const auto bsdf = find_bsdf(loaded, file, mark == std::string::npos ? "" : options.target.substr(mark + 1));
+  const SpectralGrid grid = loaded.context->grid;
   const auto table = find_illuminant(options.illuminant);
   if (!table)
     throw Error("--illuminant: unknown illuminant \"" + options.illuminant + "\"" +
@@ -188,8 +182,9 @@ int layer(const LayerOptions& options) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<LayerOptions>();
-  options.add("target", o->target, "scene.xml#id: id of a BSDF or a shape").required();
-  options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value");
+  options.add("target", o->target, "scene.xml#id: id of a BSDF or a shape; the file needs no sensor")
+      .required();
+  options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   options.add("--angle", o->angle, "angle of incidence in degrees, above 90 from below (default 0)")
       .between(0.0, 180.0);
   options.add("--azimuth", o->azimuth, "azimuth of the incident light in degrees from the u axis");

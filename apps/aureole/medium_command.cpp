@@ -18,7 +18,6 @@
 #include "aureole/spectrum/observer.h"
 #include "command.h"
 #include "messages.h"
-#include "nested_objects.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -32,24 +31,21 @@ struct MediumOptions {
 };
 
 /// Returns the medium with that id; without an id, the only medium of the scene.
-MediumPtr find_medium(const Scene& scene, const std::string& file, const std::string& id) {
+MediumPtr find_medium(const LoadedObjects& loaded, const std::string& file, const std::string& id) {
   std::vector<MediumPtr> all;
-  const auto offer = [&](const ObjectPtr& o) {
-    const auto medium = std::dynamic_pointer_cast<const Medium>(o);
-    if (medium && std::find(all.begin(), all.end(), medium) == all.end()) all.push_back(medium);
-  };
-  for (const Primitive& part : scene.parts().surfaces) visit_nested(*part.element, offer);
-  visit_nested(scene.sensor().properties(), offer);
   std::vector<std::string> known;
-  for (const MediumPtr& medium : all) {
-    if (!id.empty() && medium->id() == id) return medium;
-    if (!medium->id().empty()) known.push_back(medium->id());
+  for (const auto& [its_id, object] : loaded.objects) {
+    const auto medium = std::dynamic_pointer_cast<const Medium>(object);
+    if (!medium) continue;
+    if (!id.empty() && its_id == id) return medium;
+    if (!its_id.empty()) known.push_back(its_id);
+    if (std::find(all.begin(), all.end(), medium) == all.end()) all.push_back(medium);
   }
   if (id.empty() && all.size() == 1) return all[0];
   std::string message = !id.empty()   ? "no medium has the id \"" + id + "\"" + did_you_mean(id, known)
-                        : all.empty() ? "no shape of the scene has a medium"
+                        : all.empty() ? "the scene has no medium"
                                       : fmt::format("name one of the {} media after \"#\"", all.size());
-  if (all.empty() && !id.empty()) message += "; no shape of the scene has a medium";
+  if (all.empty() && !id.empty()) message += "; the scene has no medium";
   if (!known.empty()) message += fmt::format("; there are {}", fmt::join(known, ", "));
   throw Error({file, 0, 0}, message);
 }
@@ -129,14 +125,14 @@ int medium(const MediumOptions& o) {
   const std::string file = o.target.substr(0, mark);
   LoadOptions load;
   load.defines = split_defines(o.defines);
-  const LoadedScene loaded = [&] {
+  const LoadedObjects loaded = [&] {
     TableProgressLine line(false);
     load.progress = [&](const std::string& object, double part) { line.show(object, part); };
-    return load_scene(file, load);
+    return load_objects(file, load);
   }();
   for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const MediumPtr found =
-      find_medium(*loaded.scene, file, mark == std::string::npos ? "" : o.target.substr(mark + 1));
+      find_medium(loaded, file, mark == std::string::npos ? "" : o.target.substr(mark + 1));
   const std::vector<MediumFigures> rows =
       measure_medium(*found, wavelengths(found->properties().context().grid, o.step), point, d);
 

@@ -15,6 +15,7 @@
 #include "aureole/instrument/microscopy/microstructure.h"
 #include "aureole/instrument/report/microstructure_report.h"
 #include "command.h"
+#include "messages.h"
 
 namespace aureole {
 namespace {
@@ -23,7 +24,7 @@ struct Options {
   std::vector<std::string> images, masks, excludes;
   std::string pixel_size, output, polarity = "auto", background = "auto", denoise = "auto",
                                   encoding = "linear";
-  std::string correlation_radius;
+  std::string correlation_radius, scatterer = "auto", int_ior;
   double background_scale = 0, smooth = 0, min_radius = 2;
   bool fill_holes = false, no_overlays = false;
   int resamples = 300;
@@ -90,6 +91,12 @@ int microstructure(const Options& o) {
                                {"none", Denoise::none},
                                {"gaussian", Denoise::gaussian},
                                {"median", Denoise::median}});
+  options.scatterer = choose<ScattererKind>("--scatterer", o.scatterer,
+                                            {{"auto", ScattererKind::automatic},
+                                             {"apertures", ScattererKind::apertures},
+                                             {"discs", ScattererKind::discs},
+                                             {"spheres", ScattererKind::spheres}});
+  options.int_ior = o.int_ior;
   MicrographOptions reading;
   reading.srgb = choose<bool>("--encoding", o.encoding, {{"linear", false}, {"srgb", true}});
   if (!o.pixel_size.empty()) reading.pixel_m = positive_length("--pixel-size", o.pixel_size);
@@ -141,7 +148,8 @@ int microstructure(const Options& o) {
   fmt::print("log-normal sigma    {}\n", interval(m.log_deviation, 1, ""));
   fmt::print("shape               {} (circularity {:.3f}, aspect {:.3f})\n", m.round ? "round" : "not round",
              m.circularity, m.aspect);
-  for (const std::string& note : m.notes) fmt::print("note: {}\n", note);
+  for (const auto& notes : {m.choices, m.notes, measured_material(m).notes})
+    for (const std::string& note : notes) tell("note: {}\n", note);
   fmt::print("written to {}\n", o.output);
   return 0;
 }
@@ -152,6 +160,14 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("-o,--output", o->output, "folder to write; replaced if it holds an earlier result").required();
   options.add("--pixel-size", o->pixel_size, "side of a pixel, such as 0.2um (default: the TIFF's metadata)");
   options.add("--polarity", o->polarity, "auto, dark or bright particles").shows_default();
+  options
+      .add(
+          "--scatterer", o->scatterer,
+          "scatterers of the written material: apertures (openings in an opaque sheet), discs (opaque), spheres "
+          "(transparent; need --int-ior), or auto: discs for dark particles, apertures for bright ones")
+      .shows_default();
+  options.add("--int-ior", o->int_ior,
+              "index of refraction of spheres: a number or a material, such as water");
   options
       .add("--background", o->background,
            "uneven illumination: auto (smooth levels of particles and ground), morphology, none")

@@ -118,18 +118,16 @@ int rings(const RingsOptions& o) {
   const Image image = read_picture(o.picture);
   if (image.channel("R") < 0 || image.channel("G") < 0 || image.channel("B") < 0)
     throw Error(o.picture + ": needs the channels R, G and B");
-  if (o.azimuths.size() != 2 || o.at.size() % 2 || o.masks.size() % 3)
-    throw Error("rings: too few numbers in an option");
   if (!(o.fov > 0 && o.fov < 180)) throw Error("--fov must be between 0 and 180 degrees");
   const PinholeCamera camera{2 * std::tan(0.5 * o.fov * kDegree) / image.width, 0.5 * image.width,
                              0.5 * image.height};
 
-  const PictureParts parts{o.azimuths[0], o.azimuths[1], o.masks};
+  const PictureParts parts = picture_parts(o.azimuths, o.masks);
   double x, y;
   if (o.at.size() == 2) {
     x = o.at[0], y = o.at[1];
   } else {
-    const auto spot = brightest_spot(image);
+    const auto spot = brightest_spot(image, parts);
     x = spot[0], y = spot[1];
   }
   const Direction lamp = camera.direction(x, y);
@@ -163,7 +161,10 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("picture", o->picture, "EXR with the channels R, G, B; the source must not be clipped")
       .required();
   options.add("--at", o->at, "pixel of the source, x y (default: the brightest white one)").takes(2);
-  options.add("--azimuths", o->azimuths, "use only these azimuths around the source, degrees, 0 right, 90 up")
+  options
+      .add(
+          "--azimuths", o->azimuths,
+          "use only the azimuths around the source from one to another, degrees, 0 right, 90 up; 300 60 is through 0")
       .takes(2);
   options.add("--mask", o->masks, "exclude a disc of the picture, x y radius in pixels; may be repeated")
       .takes_each_time(3);

@@ -116,6 +116,8 @@ class Microstructure:
     fields : list of dict
         Properties of each picture: pixel_size, seen (area in m^2), whole, cut, too_small, bright, noise, blur (in
         pixels).
+    choices : list of str
+        Polarity and scatterers of the material where they were chosen automatically, with the reasons.
     notes : list of str
         Doubts about the result.
     scene_text : str
@@ -138,6 +140,7 @@ class Microstructure:
     structure_factor: PointStructureFactor
     overlays: List[Image]
     fields: List[Dict[str, Any]]
+    choices: List[str]
     notes: List[str]
     scene_text: str
     _result: Any
@@ -154,7 +157,7 @@ class Microstructure:
         Returns
         -------
         dict
-            Of type "correlated_scatterers".
+            Of type "correlated_scatterers", or "correlated_spheres" for spheres.
         """
         root = ElementTree.fromstring(self.scene_text).find("bsdf")
         assert root is not None
@@ -238,7 +241,7 @@ class Microstructure:
                 ("area fraction", f"{self.area_fraction}"), ("covered fraction", f"{self.covered_fraction}"),
                 ("correlation radius", f"{um[0]} um"), ("mean radius", f"{um[1]} um"),
                 ("deviation of radii", f"{um[2]} um"), ("shape", shape)]
-        rows += [("note", n) for n in self.notes]
+        rows += [("choice", c) for c in self.choices] + [("note", n) for n in self.notes]
         return "\n".join(f"{name:20}{text}" for name, text in rows)
 
 
@@ -246,7 +249,8 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
                    polarity: str = "auto", background: str = "auto", background_scale: float = 0,
                    denoise: str = "auto", smooth: float = 0, fill_holes: bool = False, min_radius: float = 2,
                    correlation_radius: "Union[float, str, None]" = None, encoding: str = "linear",
-                   resamples: int = 300, seed: int = 1, overlays: bool = True) -> Microstructure:
+                   resamples: int = 300, seed: int = 1, overlays: bool = True, scatterer: str = "auto",
+                   int_ior: "Union[float, str, None]" = None) -> Microstructure:
     """Finds the scatterers in pictures of one sample and measures the parameters of a layer of them.
 
     Light that is uneven is evened out, particles that touch are divided, those that the frame cuts are accounted for.
@@ -282,6 +286,11 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
         Of the bootstrap that the intervals come from.
     overlays : bool
         Make pictures of what was found.
+    scatterer : {"auto", "apertures", "discs", "spheres"}
+        Scatterers of the material: openings in an opaque sheet, opaque discs, transparent spheres; "auto": discs for
+        dark particles, apertures for bright ones, with a note.
+    int_ior : float or str, optional
+        Index of refraction of spheres, which need it: a number or a material, such as "water".
 
     Returns
     -------
@@ -319,7 +328,9 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
             scalar("smooth", smooth, minimum=0, maximum=20, unit="pixels"), bool(fill_holes),
             scalar("min_radius", min_radius, minimum=0.5, maximum=1e4, unit="pixels"), radius,
             integer("resamples", resamples, minimum=20, maximum=100_000),
-            integer("seed", seed, minimum=0, maximum=2**64 - 1), srgb, bool(overlays))
+            integer("seed", seed, minimum=0, maximum=2**64 - 1), srgb, bool(overlays),
+            _choice("scatterer", scatterer, ("auto", "apertures", "discs", "spheres")),
+            "" if int_ior is None else str(int_ior))
     except Error as e:
         raise type(e)(_python_names(str(e))) from None
     return _described(result)
@@ -341,7 +352,7 @@ def _described(result: Any) -> Microstructure:
         pair_correlation=PairCorrelation(r * a, g, g_error, np.maximum(g - 1.96 * g_error, 0), g + 1.96 * g_error),
         structure_factor=PointStructureFactor(u / a, s, s_error, np.maximum(s - 1.96 * s_error, 0), s + 1.96 * s_error),
         overlays=[Image._of(p) for p in result.overlays], fields=numbers["fields"],
-        notes=[_python_names(n) for n in numbers["notes"]],
+        choices=[_python_names(c) for c in numbers["choices"]], notes=[_python_names(n) for n in numbers["notes"]],
         scene_text=result.scene_text, _result=result)
 
 

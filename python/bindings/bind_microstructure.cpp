@@ -123,7 +123,9 @@ nb::dict numbers(const Microstructure& m) {
   d["round"] = m.round, d["circularity"] = m.circularity, d["aspect"] = m.aspect;
   d["pair_correlation"] = tuple_of(m.pair_correlation);
   d["structure_factor"] = tuple_of(m.structure_factor);
-  d["notes"] = m.notes;
+  std::vector<std::string> notes = m.notes;
+  for (std::string& note : measured_material(m).notes) notes.push_back(std::move(note));
+  d["notes"] = notes, d["choices"] = m.choices;
   nb::list fields;
   for (const FieldReport& f : m.fields) {
     nb::dict one;
@@ -180,14 +182,17 @@ void bind_microstructure(nb::module_& m) {
       .def_prop_ro("particles", [](const MicrostructureResult& r) { return particles(r.found); })
       .def_prop_ro("overlays", [](const MicrostructureResult& r) { return r.overlays; })
       .def_prop_ro("size_histogram", [](const MicrostructureResult& r) { return size_histogram(r.found); })
-      .def_prop_ro("scene_text", [](const MicrostructureResult& r) { return scene_snippet(r.found); })
+      .def_prop_ro("scene_text",
+                   [](const MicrostructureResult& r) { return measured_material(r.found).scene; })
       .def("save", save_result, nb::arg("folder"));
   m.def(
       "analyse_microstructure",
       [](const std::vector<const Field*>& fields, int polarity, int background, double background_scale,
          int denoise, double smooth, bool fill_holes, double min_radius, double correlation_radius_m,
-         int resamples, std::uint64_t seed, bool srgb, bool overlays) {
-        if (polarity < 0 || polarity > 2 || background < 0 || background > 2 || denoise < 0 || denoise > 3 ||
+         int resamples, std::uint64_t seed, bool srgb, bool overlays, int scatterer,
+         const std::string& int_ior) {
+        if (polarity < 0 || scatterer < 0 || scatterer > 3 || polarity > 2 || background < 0 ||
+            background > 2 || denoise < 0 || denoise > 3 ||
             std::find(fields.begin(), fields.end(), nullptr) != fields.end())
           throw Error("analyse_microstructure: wrong arguments");
         MicrostructureOptions o;
@@ -199,12 +204,13 @@ void bind_microstructure(nb::module_& m) {
                           fill_holes,
                           min_radius};
         o.correlation_radius_m = correlation_radius_m, o.resamples = resamples, o.seed = seed;
+        o.scatterer = ScattererKind(scatterer), o.int_ior = int_ior;
         return analyse(fields, o, srgb, overlays);
       },
       nb::arg("fields"), nb::arg("polarity"), nb::arg("background"), nb::arg("background_scale"),
       nb::arg("denoise"), nb::arg("smooth"), nb::arg("fill_holes"), nb::arg("min_radius"),
       nb::arg("correlation_radius_m"), nb::arg("resamples"), nb::arg("seed"), nb::arg("srgb"),
-      nb::arg("overlays"));
+      nb::arg("overlays"), nb::arg("scatterer"), nb::arg("int_ior"));
 }
 
 }  // namespace aureole::python

@@ -115,6 +115,144 @@ TEST_F(InstrumentCli, Layer) {
   refused({"layer", "scene.xml#ball", "--angle", "200"}, "--angle");
 }
 
+TEST_F(InstrumentCli, LayerOfAFileWithoutSensor) {
+  // Neither a sensor nor a shape; one BSDF within another, and a second name.
+  folder.write("material.xml", R"(<scene version="3.0.0">
+    <bsdf type="twosided" id="both"><bsdf type="diffuse" id="inner"><float name="reflectance" value="0.3"/></bsdf></bsdf>
+    <alias id="both" as="other"/>
+    <medium type="homogeneous" id="fog"><float name="sigma_t" value="2"/></medium></scene>)");
+  for (const char* id : {"both", "inner", "other"}) {
+    ASSERT_EQ(run({"layer", std::string("material.xml#") + id, "--step", "100", "--json", "layer.json"}), 0)
+        << output;
+    const auto j = nlohmann::json::parse(content(folder.path / "layer.json"));
+    EXPECT_NEAR(double(j["cie"]["total_reflection"]["Y"]), 0.3, 1e-3);
+  }
+  refused({"layer", "material.xml#iner"}, "did you mean \"inner\"?; there are both, inner, other");
+  refused({"layer", "material.xml#fog"}, "no BSDF or shape has the id \"fog\"");
+  ASSERT_EQ(run({"medium", "material.xml"}), 0) << output;
+  EXPECT_NE(output.find("material.xml (homogeneous)"), std::string::npos) << output;
+  // A scene with a sensor and a BSDF that no shape uses.
+  std::string scene = small_scene_text();
+  scene.insert(scene.rfind("</scene>"), "<include filename=\"material.xml\"/>");
+  folder.write("scene.xml", scene);
+  EXPECT_EQ(run({"layer", "scene.xml#inner", "--step", "100"}), 0) << output;
+  // Rendering still needs a sensor.
+  refused({"info", "material.xml"}, "the scene has no <sensor>");
+  folder.write("wrong.xml",
+               R"(<scene version="3.0.0"><bsdf type="diffuse" id="a"><float name="reflectance" value="3"/>
+    </bsdf></scene>)");
+  refused({"layer", "wrong.xml#a"}, "wrong.xml:1:");
+}
+
+TEST_F(InstrumentCli, OptionsLeavePositionalArguments) {
+  std::string scene = small_scene_text();
+  scene.insert(scene.rfind("</scene>"),
+               R"(<default name="grey" value="0.2"/><medium type="homogeneous" id="fog"/>
+    <bsdf type="diffuse" id="grey"><float name="reflectance" value="$grey"/></bsdf>)");
+  folder.write("scene.xml", scene);
+  EXPECT_EQ(run({"layer", "--step", "200", "--at", "0.5", "0.5", "scene.xml#grey"}), 0) << output;
+  EXPECT_EQ(run({"layer", "--step", "200", "--at", "0.5,0.5", "scene.xml#grey"}), 0) << output;
+  EXPECT_EQ(run({"layer", "--step", "200", "-D", "grey=0.5", "scene.xml#grey"}), 0) << output;
+  EXPECT_EQ(run({"medium", "--at", "0", "0", "0", "--along", "0", "0", "1", "scene.xml#fog"}), 0) << output;
+  EXPECT_EQ(run({"medium", "--at", "0,0,0", "--along", "0,0,-1", "scene.xml#fog"}), 0) << output;
+  refused({"layer", "--at", "0.5", "--step", "200", "scene.xml#grey"}, "--at");
+  refused({"rings", "--at", "80", "60", "missing.exr"}, "missing.exr");
+  refused({"rings", "--azimuths", "300", "60", "missing.exr"}, "missing.exr");
+  refused({"powermap", "--min-db", "-30", "--max-db", "10", "missing.xml"}, "missing.xml");
+  refused({"gallery", "--only", "fig08,fig09", "missing"}, "missing");
+  refused({"pigment", "match", "--others", "A,F11", "missing.csv", "#808080"}, "missing.csv");
+}
+
+/// A micrograph of dark beads in bright field: the material blocks light where they are.
+TEST_F(InstrumentCli, DarkBeadsAreOpaqueDiscs) {
+  struct Kind {
+    bool bright;
+    const char *name, *note;
+  };
+  for (const Kind& k : {Kind{false, "discs", "the material has opaque discs"},
+                        Kind{true, "apertures", "the material is an opaque sheet with openings"}}) {
+    write_grey_png("a.png", discs(6, k.bright, 900));
+    ASSERT_EQ(run({"microstructure", "a.png", "--pixel-size", "200nm", "-o", "out"}), 0) << output;
+    EXPECT_NE(output.find(k.note), std::string::npos) << output;
+    EXPECT_NE(
+        output.find(std::string("note: particles are taken to be the ") + (k.bright ? "bright" : "dark")),
+        std::string::npos)
+        << output;
+    const auto result = nlohmann::json::parse(content(folder.path / "out/result.json"));
+    EXPECT_EQ(result["scatterer"], k.name);
+    EXPECT_NE(result["choices"].dump().find(k.note), std::string::npos);
+    const std::string scene = content(folder.path / "out/scene.xml");
+    EXPECT_NE(scene.find(k.note), std::string::npos) << scene;
+    EXPECT_EQ(scene.find("--", 4), scene.find("-->")) << "a comment of XML has no two hyphens";
+    EXPECT_NE(scene.find(std::string("<string name=\"scatterer\" value=\"") + k.name), std::string::npos)
+        << scene;
+    // The haze is that of the discs as they were drawn: 9 pixels of 0.2 um.
+    folder.write("truth.xml",
+                 std::string(R"(<scene version="3.0.0"><bsdf type="correlated_scatterers" id="truth">
+      <string name="radius" value="1.8um"/><float name="area_fraction" value="0.4"/>
+      <string name="scatterer" value=")") +
+                     k.name + R"("/></bsdf></scene>)");
+    const auto layer = [&](const std::string& target) {
+      EXPECT_EQ(run({"layer", target, "--step", "40", "--json", "layer.json"}), 0) << output;
+      return nlohmann::json::parse(content(folder.path / "layer.json"))["cie"];
+    };
+    const auto measured = layer("out/scene.xml#measured"), truth = layer("truth.xml#truth");
+    std::printf("%s: haze %.4f, drawn discs %.4f; direct %.4f, %.4f\n", k.name, double(measured["haze"]),
+                double(truth["haze"]), double(measured["direct_transmission"]["Y"]),
+                double(truth["direct_transmission"]["Y"]));
+    std::fflush(stdout);  // or each child process would print it again
+    EXPECT_NEAR(double(measured["haze"]), double(truth["haze"]), 0.01);
+    EXPECT_NEAR(double(measured["direct_transmission"]["Y"]), k.bright ? 0.16 : 0.36, 0.02);
+    EXPECT_NEAR(double(measured["total_transmission"]["Y"]), k.bright ? 0.4 : 0.6, 0.02);
+  }
+}
+
+TEST_F(InstrumentCli, ScatterersAsAsked) {
+  write_grey_png("a.png", discs(6));
+  const std::vector<std::string> start{"microstructure", "a.png", "--pixel-size", "200nm", "-o", "out"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), start.begin(), start.end());
+    return more;
+  };
+  ASSERT_EQ(run(with({"--polarity", "dark", "--scatterer", "apertures"})), 0) << output;
+  EXPECT_EQ(output.find("the material"), std::string::npos) << output;
+  EXPECT_EQ(output.find("taken to be"), std::string::npos) << output;
+  EXPECT_NE(content(folder.path / "out/scene.xml").find("value=\"apertures\""), std::string::npos);
+
+  for (const char* index : {"1.46", "water"}) {
+    ASSERT_EQ(run(with({"--scatterer", "spheres", "--int-ior", index})), 0) << output;
+    const std::string scene = content(folder.path / "out/scene.xml");
+    EXPECT_NE(scene.find("<bsdf type=\"correlated_spheres\" id=\"measured\">"), std::string::npos) << scene;
+    EXPECT_NE(scene.find(std::string("name=\"int_ior\" value=\"") + index), std::string::npos) << scene;
+    const auto number_after = [&](const std::string& text) {
+      return std::atof(scene.c_str() + scene.find(text) + text.size());
+    };
+    EXPECT_NEAR(number_after("name=\"radius\" value=\""), 1.8, 0.03);
+    EXPECT_NEAR(number_after("name=\"area_fraction\" value=\""), 0.4, 0.03);
+    EXPECT_EQ(run({"layer", "out/scene.xml#measured", "--step", "200"}), 0) << output;
+  }
+  fs::remove_all(folder.path / "out");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--scatterer", "spheres"},
+          "--scatterer spheres needs --int-ior");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--scatterer", "spheres", "--int-ior", "watre"},
+          "did you mean \"water\"?");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--scatterer", "spheres", "--int-ior", "-1"},
+          "--int-ior");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--int-ior", "1.5"},
+          "is for --scatterer spheres");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--scatterer", "disks"},
+          "use auto, apertures, discs, spheres");
+  // Two fields of which one has bright and one dark particles have no common kind.
+  write_grey_png("b.png", discs(7, true));
+  refused({"microstructure", "a.png", "b.png", "--pixel-size", "200nm"},
+          "b.png: particles are bright, in a.png they are dark: give --polarity dark or bright");
+  ASSERT_EQ(
+      run({"microstructure", "a.png", "b.png", "--pixel-size", "200nm", "--scatterer", "discs", "-o", "out"}),
+      0)
+      << output;
+  EXPECT_NE(output.find("--polarity decides for all"), std::string::npos) << output;
+}
+
 TEST_F(InstrumentCli, MicrostructureOfTiffs) {
   // 16 bits with ImageJ's tags and 8 bits with pixels per centimetre: both 0.2 um.
   write_grey_tiff(file("a.tif"), discs(1), 16, {"ImageJ=1.53t\nunit=micron\n", 5, RESUNIT_NONE});
@@ -262,6 +400,16 @@ TEST_F(InstrumentCli, DropletSize) {
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--center", "500,20"},
           "outside of the picture");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--substrate", "glas"}, "--substrate");
+  // An option takes its numbers and leaves the photo behind it.
+  const std::string no_ring = "flat.png: no ring is visible";
+  refused({"droplet-size", "--pixel-angle", "0.05deg", "--center", "80", "60", "flat.png"}, no_ring);
+  refused({"droplet-size", "--pixel-angle", "0.05deg", "--center", "80,60", "flat.png"}, no_ring);
+  refused({"droplet-size", "--pixel-angle", "0.05deg", "--azimuths", "300", "60", "flat.png"}, no_ring);
+  refused({"droplet-size", "--pixel-angle", "0.05deg", "--mask", "10", "10", "5", "flat.png"}, no_ring);
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--mask", "10", "10", "-5"},
+          "--mask: the radius -5 is not positive");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--azimuths", "60", "60"},
+          "there is nothing");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--spread", "--second-size"}, "not both");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--correlation", "simulate"},
           "did you mean \"simulated\"?");

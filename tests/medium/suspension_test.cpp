@@ -2,11 +2,15 @@
 // Media by what is in them: coefficients against published values and closed forms, units, notes, bad input.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <vector>
 
 #include "aureole/instrument/medium_figures.h"
 #include "aureole/medium/medium.h"
 #include "aureole/optics/medium/recipes.h"
+#include "loading/load_text.h"
 #include "volume/volume_test_support.h"
 
 namespace aureole::test {
@@ -187,6 +191,174 @@ TEST(SuspensionMedium, NotesWhatDependentScatteringWouldChange) {
   ASSERT_EQ(fat.size(), 1u);
   EXPECT_NE(fat[0].find("milk fat"), std::string::npos) << fat[0];
   EXPECT_NE(fat[0].find("the recipe does not count it"), std::string::npos) << fat[0];
+}
+
+/// Scattering figures of spheres of the index 1.5 in a host of 1.33, at 550 nm.
+struct SphereFigures {
+  MediumFigures figures;
+  std::vector<double> phase;  ///< at 0, 20, 90 and 160 degrees
+};
+SphereFigures figures_of_spheres(const std::string& parameters) {
+  const MediumPtr m = suspension(number("host", 1.33) + "<ingredient type=\"spheres\">" + parameters +
+                                 number("int_ior", 1.5) + "</ingredient>");
+  const double nm[] = {550}, angles[] = {0, 20 * M_PI / 180, M_PI / 2, 160 * M_PI / 180};
+  return {measure_medium(*m, nm, {}, {0, 0, 1})[0], phase_over_angle(*m, 550, angles, {}, {0, 0, 1})};
+}
+std::string list(const std::string& name, const std::vector<double>& numbers) {
+  std::string text;
+  char word[64];
+  for (const double n : numbers) std::snprintf(word, sizeof word, "%.12g, ", n), text += word;
+  return choice(name, text);
+}
+std::string histogram(const std::string& weighting, const std::string& quantity = "radius",
+                      const std::string& unit = "um") {
+  return choice("distribution", "histogram") + choice("weighting", weighting) + choice("size_unit", unit) +
+         choice("size_quantity", quantity);
+}
+void expect_same(const SphereFigures& a, const SphereFigures& b, double tolerance, double phase_tolerance) {
+  double phase = 0;
+  for (std::size_t i = 0; i < a.phase.size(); ++i)
+    phase = std::max(phase, std::abs(a.phase[i] / b.phase[i] - 1));
+  std::printf("differences: sigma_s %.1e, g %.1e, phase function %.1e\n",
+              a.figures.scattering / b.figures.scattering - 1, a.figures.asymmetry - b.figures.asymmetry,
+              phase);
+  EXPECT_NEAR(a.figures.scattering / b.figures.scattering, 1, tolerance);
+  EXPECT_NEAR(a.figures.asymmetry, b.figures.asymmetry, tolerance);
+  EXPECT_LT(phase, phase_tolerance);
+}
+
+TEST(SuspensionMedium, FineHistogramsAreTheirDistribution) {
+  const double median = 1, sigma = 0.3;
+  const std::string amount = number("volume_fraction", 1e-3);
+  for (const char* weighting : {"number", "volume"}) {
+    std::vector<double> edges, weights, middles;
+    constexpr int kClasses = 100;
+    const auto below = [&](double r) {
+      return 0.5 * std::erfc(-std::log(r / median) / sigma / std::sqrt(2.0));
+    };
+    for (int i = 0; i <= kClasses; ++i) edges.push_back(median * std::exp(sigma * (10.0 * i / kClasses - 5)));
+    for (std::size_t i = 0; i < kClasses; ++i)
+      weights.push_back(below(edges[i + 1]) - below(edges[i])),
+          middles.push_back(std::sqrt(edges[i] * edges[i + 1]));
+    const SphereFigures exact = figures_of_spheres(choice("radius", "1um") + number("size_spread", sigma) +
+                                                   choice("weighting", weighting) + amount);
+    expect_same(figures_of_spheres(histogram(weighting) + choice("classes", "edges") + list("sizes", edges) +
+                                   list("weights", weights) + amount),
+                exact, 1e-3, 5e-3);
+    // Diameters in nanometres of the middles of the classes are as good.
+    for (double& m : middles) m *= 2000;
+    expect_same(figures_of_spheres(histogram(weighting, "diameter", "nm") + list("sizes", middles) +
+                                   list("weights", weights) + amount),
+                exact, 1e-3, 5e-3);
+  }
+}
+
+TEST(SuspensionMedium, HistogramsOfNarrowClasses) {
+  const SphereFigures one = figures_of_spheres(choice("radius", "1um") + number("volume_fraction", 1e-3));
+  const auto narrow = [](const std::string& weighting) {
+    return histogram(weighting) + choice("classes", "edges");
+  };
+  for (const char* weighting : {"number", "volume"}) {
+    expect_same(figures_of_spheres(narrow(weighting) + list("sizes", {0.999, 1.001}) + list("weights", {7}) +
+                                   number("volume_fraction", 1e-3)),
+                one, 1e-3, 2e-3);
+    expect_same(figures_of_spheres(histogram(weighting) + list("sizes", {1}) + list("weights", {7}) +
+                                   number("volume_fraction", 1e-3)),
+                one, 1e-6, 1e-6);
+  }
+  // Three spheres of 1 um for one of 2 um: by number 3 and 1, by volume 3 and 8. Each size scatters as if alone.
+  const auto alone = [](const char* radius, double density) {
+    return figures_of_spheres(choice("radius", radius) + number("number_density", density))
+        .figures.scattering;
+  };
+  const double host = alone("1um", 0), sum = alone("1um", 3e14) + alone("2um", 1e14) - host;
+  const std::string sizes = list("sizes", {0.999, 1.001, 1.998, 2.002}),
+                    amount = number("number_density", 4e14);
+  const SphereFigures by_number =
+                          figures_of_spheres(narrow("number") + sizes + list("weights", {3, 0, 1}) + amount),
+                      by_volume =
+                          figures_of_spheres(narrow("volume") + sizes + list("weights", {3, 0, 8}) + amount);
+  EXPECT_NEAR(by_number.figures.scattering / sum, 1, 1e-3);
+  EXPECT_NEAR(by_volume.figures.scattering / sum, 1, 1e-3);
+  expect_same(by_number, by_volume, 1e-3, 1e-3);
+}
+
+TEST(SuspensionMedium, HistogramsOfFiles) {
+  test::TemporaryFolder folder;
+  const std::string amount = number("volume_fraction", 1e-3);
+  folder.write("sizes.csv",
+               "diameter in um, volume in %\n# of an instrument\n1.6, 30\n2.0, 50\n2.5, 20\n3.0, 0\n");
+  const std::string file = choice("size_histogram", (folder.path / "sizes.csv").string());
+  expect_same(
+      figures_of_spheres(histogram("volume", "diameter") + file + choice("classes", "edges") + amount),
+      figures_of_spheres(histogram("volume") + choice("classes", "edges") +
+                         list("sizes", {0.8, 1, 1.25, 1.5}) + list("weights", {3, 5, 2}) + amount),
+      1e-6, 1e-6);
+  expect_same(figures_of_spheres(histogram("volume", "diameter") + file + amount),
+              figures_of_spheres(histogram("volume") + list("sizes", {0.8, 1, 1.25, 1.5}) +
+                                 list("weights", {3, 5, 2, 0}) + amount),
+              1e-6, 1e-6);
+}
+
+TEST(SuspensionMedium, HistogramsRefuseWrongInput) {
+  test::TemporaryFolder folder;
+  const auto fails = [&](const std::string& parameters, const std::string& text) {
+    const std::string e = error_of([&] {
+      build<Medium>(medium_xml("suspension", number("host", 1.33) + "<ingredient type=\"spheres\">" +
+                                                 parameters + number("int_ior", 1.5) +
+                                                 number("volume_fraction", 1e-3) + "</ingredient>"),
+                    context());
+    });
+    EXPECT_NE(e.find(text), std::string::npos) << "expected \"" << text << "\", got: " << e;
+    EXPECT_NE(e.find(":"), std::string::npos) << "no location: " << e;
+  };
+  const std::string start = histogram("number");
+  const auto both = [&](const std::string& sizes, const std::string& weights, const std::string& more = "") {
+    return start + choice("sizes", sizes) + choice("weights", weights) + more;
+  };
+  const std::string edges = choice("classes", "edges");
+  fails(start, "needs \"sizes\" and \"weights\", or the file");
+  fails(both("", ""), "has no class");
+  fails(both("1", "", edges), "has no class");
+  fails(both("1, 2", "3"), "2 midpoints do not go with 1 weights");
+  fails(both("1, 2", "3, 4", edges), "2 edges do not go with 2 weights");
+  fails(both("1, -2", "3, 4"), "a size must be positive, got -2");
+  fails(both("0, 2", "3", edges), "a size must be positive, got 0");
+  fails(both("2, 1", "3, 4"), "sizes must increase, at the size 1");
+  fails(both("1, 1", "3, 4"), "sizes must increase");
+  fails(both("1, 2", "3, -4"), "a weight must not be negative, got -4, at the size 2");
+  fails(both("1, nan", "3, 4"), "not a number");
+  fails(both("1, 2", "nan, 4"), "not a number");
+  fails(both("1, 2um", "3, 4"), "not a number");
+  fails(both("1, 2", "0, 0"), "all weights are 0");
+  fails(both("1, 2", "3, 4", choice("radius", "1um")), "has no meaning for the distribution \"histogram\"");
+  fails(both("1, 2", "3, 4", number("size_spread", 0.1)), "has no meaning");
+  fails(choice("radius", "1um") + choice("sizes", "1, 2"),
+        "has no meaning for the distribution \"log_normal\"");
+  const std::string lists = choice("sizes", "1") + choice("weights", "1"),
+                    kind = choice("distribution", "histogram");
+  fails(kind + lists + choice("size_unit", "um") + choice("size_quantity", "radius"),
+        "a histogram needs \"weighting\"");
+  fails(kind + lists + choice("size_unit", "um") + choice("weighting", "volume"),
+        "a histogram needs \"size_quantity\"");
+  fails(kind + lists + choice("size_quantity", "radius") + choice("weighting", "volume"),
+        "a histogram needs \"size_unit\"");
+  fails(kind + lists + choice("size_quantity", "radius") + choice("weighting", "volume") +
+            choice("size_unit", "furlong"),
+        "not a unit of length");
+  fails(kind + lists + choice("size_quantity", "radius") + choice("weighting", "volume") +
+            choice("size_unit", "2um"),
+        "not a unit of length");
+  const auto of_file = [&](const std::string& text) {
+    folder.write("sizes.csv", text);
+    return start + choice("size_histogram", (folder.path / "sizes.csv").string());
+  };
+  fails(of_file(""), "has no class");
+  fails(of_file("1 2\n3 x\n"), "line 2: expected two numbers");
+  fails(of_file("1 2\n0.5 3\n"), "sizes must increase, at the size 0.5");
+  fails(of_file("1 2\n2 nan\n"), "line 2: expected two numbers");
+  fails(of_file("1 2\n2 3\n") + edges, "the last weight is 3");
+  fails(of_file("1 2\n") + lists, "not both");
 }
 
 TEST(SuspensionMedium, RefusesWrongInput) {

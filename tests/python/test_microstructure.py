@@ -81,6 +81,18 @@ def test_material_is_a_layer(found):
     assert isinstance(aureole.load_string(re.search(r"<bsdf.*</bsdf>", found.scene_text, re.DOTALL)[0]), aureole.Bsdf)
 
 
+def test_scatterers_are_chosen_visibly(picture, found):
+    assert len(found.choices) == 2 and "scatterer apertures" in found.choices[1] and "choice" in str(found)
+    assert found.material()["scatterer"] == "discs"
+    beads = aureole.microstructure(picture, "0.4um", polarity="dark", scatterer="spheres", int_ior=1.5, overlays=False)
+    assert beads.choices == [] and beads.material()["type"] == "correlated_spheres" and beads.material()["int_ior"] == 1.5
+    assert aureole.microstructure(picture, "0.4um", scatterer="apertures", overlays=False).material()["scatterer"] == "apertures"
+    for arguments, message in (({"scatterer": "spheres"}, "scatterer spheres needs int_ior"), ({"int_ior": 1.5}, "int_ior is for"),
+                               ({"scatterer": "disks"}, "scatterer")):
+        with pytest.raises(aureole.Error, match=message):
+            aureole.microstructure(picture, "0.4um", **arguments)
+
+
 def test_sizes_become_classes_without_files():
     radii = np.random.default_rng(0).uniform(2.5, 4.0, 500)
     discs = optics.hard_discs(500, 0.25, seed=2, radius=radii)

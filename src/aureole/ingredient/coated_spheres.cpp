@@ -102,6 +102,23 @@ AUREOLE_PLUGIN(
     <float name="effective_variance" value="0.1"/> <float name="core_fraction" value="0.5"/>
     <float name="int_ior" value="1.4"/> <float name="coat_ior" value="1.5"/>
     <float name="volume_fraction" value="0.001"/>
+</ingredient>)",
+         R"(<ingredient type="coated_spheres">
+    <string name="distribution" value="histogram"/>
+    <string name="sizes" value="0.4, 0.8, 1.6, 3.2"/> <string name="weights" value="20, 50, 30"/>
+    <string name="classes" value="edges"/> <string name="weighting" value="volume"/>
+    <string name="size_unit" value="um"/> <string name="size_quantity" value="diameter"/>
+    <float name="core_fraction" value="0.5"/>
+    <float name="int_ior" value="1.4"/> <float name="coat_ior" value="1.5"/>
+    <float name="volume_fraction" value="0.001"/>
+</ingredient>)",
+         R"(<ingredient type="coated_spheres">
+    <string name="distribution" value="histogram"/>
+    <string name="size_histogram" value="sizes.csv"/> <string name="weighting" value="number"/>
+    <string name="size_unit" value="um"/> <string name="size_quantity" value="radius"/>
+    <float name="core_fraction" value="0.5"/>
+    <float name="int_ior" value="1.4"/> <float name="coat_ior" value="1.5"/>
+    <float name="volume_fraction" value="0.001"/>
 </ingredient>)"}});
 
 }  // namespace

@@ -23,11 +23,11 @@ std::shared_ptr<const T> typed(const ObjectPtr& object) {
 
 }  // namespace
 
-void SceneAssembly::run(const Node& root, bool complete) {
+void SceneAssembly::run(const Node& root, bool needs_sensor) {
   check_attributes(root, {}, {"version", "id", "name", "type"}, diagnostics_);
   for (const Node& child : root.children) add(child);
   // A shape that could not be built may contain the sensor.
-  if (!sensor_ && complete && !shape_failed_) diagnostics_.error(root.where, "the scene has no <sensor>");
+  if (!sensor_ && needs_sensor && !shape_failed_) diagnostics_.error(root.where, "the scene has no <sensor>");
 }
 
 void SceneAssembly::add(const Node& child) {

@@ -16,9 +16,9 @@ public:
   SceneAssembly(Builder& builder, const References& references, Diagnostics& diagnostics)
       : builder_(builder), references_(references), diagnostics_(diagnostics) {}
 
-  /// Builds the children of `root`. Missing objects are errors only if the whole file could be read
-  /// (`complete`).
-  void run(const Node& root, bool complete);
+  /// Builds the children of `root`. A missing sensor is an error only if it is needed and the whole file could be
+  /// read.
+  void run(const Node& root, bool needs_sensor);
 
   SceneParts parts;  ///< without a context
   ObjectPtr integrator;

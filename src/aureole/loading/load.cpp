@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <unordered_map>
 
 #include "aureole/core/units.h"
 #include "aureole/loading/assembly.h"
@@ -141,6 +142,19 @@ ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optio
   return parsed;
 }
 
+/// Adds the objects of the children of `parent` and of their children to `found`.
+void collect_objects(const Node& parent, const References& references,
+                     const std::unordered_map<const Node*, ObjectPtr>& built,
+                     std::vector<std::pair<std::string, ObjectPtr>>& found) {
+  for (const Node& child : parent.children) {
+    const bool alias = child.tag == "alias";
+    const std::string id = child.get(alias ? "as" : "id");
+    const auto object = built.find(alias ? references.ids.find(id).node : &child);
+    if (object != built.end() && object->second) found.emplace_back(id, object->second);
+    collect_objects(child, references, built, found);
+  }
+}
+
 LoadedParts build_parts(ParsedScene& parsed, const std::shared_ptr<OwnedContext>& owned,
                         const LoadOptions& options, ObjectPool* pool, OpenedParts* opened) {
   Loading loading(parsed, owned);
@@ -194,6 +208,21 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
 LoadedScene load_scene_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                    const LoadOptions& options) {
   return make_scene(load_parts(pretended_file, text, options));
+}
+
+LoadedObjects load_objects(const std::filesystem::path& file, const LoadOptions& options) {
+  const auto owned = std::make_shared<OwnedContext>();
+  ParsedScene parsed = read_scene_nodes(file, {}, options, owned->diagnostics);
+  Loading loading(parsed, owned);
+  LoadedObjects loaded;
+  loading.build(sensor_grid(loading.references, loading.diagnostics()), options, nullptr,
+                [&](Builder& builder) {
+                  SceneAssembly(builder, loading.references, loading.diagnostics()).run(parsed.root, false);
+                  collect_objects(parsed.root, loading.references, builder.built(), loaded.objects);
+                });
+  loaded.context = loading.context();
+  loaded.notes = loading.notes();
+  return loaded;
 }
 
 LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,

@@ -49,6 +49,19 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
 LoadedScene load_scene_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                    const LoadOptions& options = {});
 
+/// The objects of a scene file, for instruments that measure one of them.
+struct LoadedObjects {
+  /// Ids, empty where an object has none, and objects in the file's order. An object with an alias is there twice.
+  std::vector<std::pair<std::string, ObjectPtr>> objects;
+  std::shared_ptr<const BuildContext> context;
+  std::vector<std::string> notes;
+};
+
+/// Builds all objects of a scene file but no scene: the file needs no sensor, and objects that nothing uses are built,
+/// too. Spectra are tabulated over the sensor's range, or without a sensor over the visible range. Throws as
+/// `load_scene` does.
+LoadedObjects load_objects(const std::filesystem::path& file, const LoadOptions& options = {});
+
 /// An object loaded without a scene, such as a BSDF to analyse.
 struct LoadedObject {
   ObjectPtr object;

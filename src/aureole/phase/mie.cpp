@@ -88,6 +88,17 @@ AUREOLE_PLUGIN(
          R"(<phase type="mie">
     <string name="radius" value="1um"/> <string name="distribution" value="modified_gamma"/>
     <float name="alpha" value="5"/> <float name="gamma" value="1.5"/>
+</phase>)",
+         R"(<phase type="mie">
+    <string name="distribution" value="histogram"/>
+    <string name="sizes" value="0.4, 0.8, 1.6, 3.2"/> <string name="weights" value="20, 50, 30"/>
+    <string name="classes" value="edges"/> <string name="weighting" value="volume"/>
+    <string name="size_unit" value="um"/> <string name="size_quantity" value="diameter"/>
+</phase>)",
+         R"(<phase type="mie">
+    <string name="distribution" value="histogram"/>
+    <string name="size_histogram" value="sizes.csv"/> <string name="weighting" value="number"/>
+    <string name="size_unit" value="um"/> <string name="size_quantity" value="radius"/>
 </phase>)"}});
 
 }  // namespace

@@ -87,6 +87,27 @@ Image photograph(Image image, float exposure) {
 }
 constexpr double kClip = 0.98;  // linear; of 252 in 255
 
+TEST(PictureParts, AzimuthsPassThroughZero) {
+  const PictureParts ahead = picture_parts({300, 60}, {}), same = picture_parts({-60, 60}, {});
+  for (const PictureParts* p : {&ahead, &same}) {
+    for (const double a : {300.5, 330.0, 359.9, 0.0, 30.0, 59.5}) EXPECT_TRUE(p->has_azimuth(a)) << a;
+    for (const double a : {60.5, 90.0, 180.0, 299.5}) EXPECT_FALSE(p->has_azimuth(a)) << a;
+  }
+  const PictureParts all = picture_parts({0, 360}, {}), half = picture_parts({90, 270}, {50, 50, 10});
+  for (double a = 0; a < 360; a += 7.3) EXPECT_TRUE(all.has_azimuth(a)) << a;
+  EXPECT_TRUE(half.has_azimuth(180));
+  EXPECT_FALSE(half.has_azimuth(0));
+  EXPECT_TRUE(half.is_masked(50, 59));
+  EXPECT_FALSE(half.is_masked(50, 61));
+  EXPECT_THROW(picture_parts({60, 60}, {}), Error);
+  EXPECT_THROW(picture_parts({0, 400}, {}), Error);
+  EXPECT_THROW(picture_parts({0}, {}), Error);
+  EXPECT_THROW(picture_parts({0, 360}, {10, 10, -5}), Error);
+  EXPECT_THROW(picture_parts({0, 360}, {10, 10, 0}), Error);
+  EXPECT_THROW(picture_parts({0, 360}, {10, 10}), Error);
+  EXPECT_THROW(picture_parts({0, 360}, {10, NAN, 5}), Error);
+}
+
 TEST(CoronaFit, ComesBack) {
   struct {
     double radius, fraction;

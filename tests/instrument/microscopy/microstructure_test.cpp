@@ -23,6 +23,11 @@ Microstructure analyse(const std::vector<Micrograph>& fields, const Microstructu
       fields.size(), [&](size_t i) { return fields[i]; }, options, nullptr);
 }
 
+bool has_note(const Microstructure& m, const std::string& part) {
+  return std::any_of(m.notes.begin(), m.notes.end(),
+                     [&](const std::string& n) { return n.find(part) != std::string::npos; });
+}
+
 struct Case {
   const char* name;
   double area_fraction, radius;
@@ -75,6 +80,7 @@ TEST_P(HardDiscs, AreFoundAgain) {
       100 * (m.mean_radius.value / radius - 1), 100 * m.deviation.value / m.mean_radius.value,
       100 * (m.correlation_radius.value / radius - 1), 100 * (m.density.value / density - 1), m.circularity);
   EXPECT_EQ(m.fields[0].bright, c.picture.bright);
+  EXPECT_FALSE(has_note(m, "not those of hard discs") || has_note(m, "no distinct onset"));
   EXPECT_NEAR(m.area_fraction.value, c.area_fraction, 0.01);
   EXPECT_NEAR(m.shape_fraction.value, c.area_fraction, 0.01);
   EXPECT_NEAR(m.mean_radius.value, radius, 0.03 * radius);
@@ -125,6 +131,7 @@ TEST(Microstructure, SpreadOfSizes) {
   EXPECT_NEAR(m.shape_fraction.value, cover / (side * side), 0.015);
   EXPECT_TRUE(m.round);
   EXPECT_NEAR(m.correlation_radius.value, 12 * kPixel, 0.03 * 12 * kPixel);
+  EXPECT_FALSE(has_note(m, "not those of hard discs") || has_note(m, "no distinct onset"));
   ASSERT_EQ(m.quantiles.size(), std::size(kQuantiles));
   for (size_t q = 1; q < m.quantiles.size(); ++q) EXPECT_GT(m.quantiles[q].value, m.quantiles[q - 1].value);
 
@@ -133,9 +140,48 @@ TEST(Microstructure, SpreadOfSizes) {
   const auto sizes = optics::SizeDistribution::histogram(text);
   EXPECT_NEAR(sizes.moment(1), 1, 1e-3);
   EXPECT_NEAR(std::sqrt(sizes.moment(2) - 1), m.deviation.value / m.mean_radius.value, 0.01);
-  const std::string scene = scene_snippet(m);
+  const std::string scene = measured_material(m).scene;
   EXPECT_NE(scene.find("<aperture type=\"circle\">"), std::string::npos);
   EXPECT_NE(scene.find("size_histogram"), std::string::npos);
+}
+
+TEST(Microstructure, FitsThatAreBadAreNoted) {
+  const char *positions = "positions are not those of hard discs", *onset = "no distinct onset";
+  PictureOptions p;
+  p.width = p.height = 900;
+  // Discs in equilibrium fit.
+  double side = 0;
+  auto fluid = hard_discs(0.4, 9, side, 2200, 8, 150);
+  const Microstructure good = analyse({picture_of(fluid, side, p)});
+  EXPECT_FALSE(has_note(good, positions));
+  EXPECT_FALSE(has_note(good, onset));
+  // A hexagonal lattice that has not melted, and clusters: discs are left out in stripes.
+  const auto lattice = hard_discs(0.4, 9, side, 2200, 8, 1);
+  const Microstructure ordered = analyse({picture_of(lattice, side, p)});
+  EXPECT_TRUE(has_note(ordered, positions));
+  auto stripes = hard_discs(0.4, 9, side, 2200, 8, 150);
+  std::erase_if(stripes, [](const Disc& d) { return std::fmod(d.x, 180) < 90; });
+  EXPECT_TRUE(has_note(analyse({picture_of(stripes, side, p)}), positions));
+  // Small discs whose distances have no sharp lower bound.
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, 3);
+  auto soft = fluid;
+  for (Disc& d : soft) d.radius = 4, d.x += normal(random), d.y += normal(random);
+  const Microstructure no_onset = analyse({picture_of(soft, side, p)});
+  std::printf("height of the onset: %.3f, width %.3f; discs in equilibrium %.3f, %.3f\n",
+              no_onset.onset_height, no_onset.onset_width, good.onset_height, good.onset_width);
+  EXPECT_TRUE(has_note(no_onset, onset));
+  // Two sizes are no log-normal distribution.
+  for (size_t i = 0; i < fluid.size(); ++i) fluid[i].radius = i % 2 ? 9 : 4.5;
+  MicrostructureOptions spheres;
+  spheres.scatterer = ScattererKind::spheres, spheres.int_ior = "1.5";
+  const Microstructure two = analyse({picture_of(fluid, side, p)}, spheres);
+  EXPECT_TRUE(has_note(two, "sizes are not log-normal"));
+  const std::string scene = measured_material(two).scene;
+  EXPECT_NE(scene.find("Note: sizes are not log-normal"), std::string::npos);
+  EXPECT_EQ(good.scatterer, ScattererKind::discs);
+  EXPECT_EQ(good.choices.size(), 2u);
+  EXPECT_TRUE(two.choices.size() == 1);  // the polarity
 }
 
 /// Large discs are cut by the frame more often than small ones: unweighted, their part comes out too small.
@@ -228,7 +274,7 @@ TEST(Microstructure, ShapesThatAreNotRound) {
       }
       EXPECT_NEAR(area, M_PI * std::pow(10 * kPixel, 2), 0.06 * M_PI * std::pow(10 * kPixel, 2)) << c.name;
     }
-    EXPECT_NE(scene_snippet(m).find("apertures.svg"), std::string::npos);
+    EXPECT_NE(measured_material(m).scene.find("apertures.svg"), std::string::npos);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace aureole::optics {
 namespace {
@@ -85,19 +86,55 @@ TEST(RadiusDistribution, DeirmendjianClouds) {
 }
 
 TEST(RadiusDistribution, HistogramsSpreadOverTheirClasses) {
-  const RadiusNode counts[] = {{3e-6, 10}, {1e-6, 20}, {2e-6, 30}};
-  const auto d = RadiusDistribution::histogram(counts);
-  // Classes [0.5, 1.5], [1.5, 2.5], [2.5, 3.5] um.
-  const auto mean = [](double low, double high) {
-    return (std::pow(high, 3) - std::pow(low, 3)) / 3 / (high - low);
+  const double edges[] = {0.5e-6, 1.5e-6, 2.5e-6, 3.5e-6}, weights[] = {20, 30, 10};
+  // Means of r^p over ln(r) in the classes.
+  const auto mean = [](double low, double high, double p) {
+    return (std::pow(high, p) - std::pow(low, p)) / p / std::log(high / low);
   };
-  const double square = (20 * mean(0.5, 1.5) + 30 * mean(1.5, 2.5) + 10 * mean(2.5, 3.5)) / 60;
+  const auto d = RadiusDistribution::histogram(edges, weights);
+  const double square = (20 * mean(0.5, 1.5, 2) + 30 * mean(1.5, 2.5, 2) + 10 * mean(2.5, 3.5, 2)) / 60;
   EXPECT_NEAR(d.moment(2) / (square * 1e-12), 1, 1e-12);
   EXPECT_NEAR(d.moment(0), 1, 1e-12);
   expect_nodes_agree(d, 1e-3);
-  const RadiusNode one[] = {{3e-6, 7}};
-  EXPECT_TRUE(RadiusDistribution::histogram(one).is_single());
-  EXPECT_NEAR(RadiusDistribution::histogram(one).mean_area(), 2.8274333882e-11, 1e-20);
+  // By volume, mean volume per volume is 1, and the mean inverse volume is the number.
+  const auto v = RadiusDistribution::histogram(edges, weights, SizeWeighting::volume);
+  const double number = (20 * mean(0.5, 1.5, -3) + 30 * mean(1.5, 2.5, -3) + 10 * mean(2.5, 3.5, -3)) / 60;
+  EXPECT_NEAR(v.moment(3) * number / 1e-18, 1, 1e-12);
+  EXPECT_NEAR(v.moment(5) / v.moment(3) / (square * 1e-12), 1, 1e-12);
+  EXPECT_NEAR(v.moment(0), 1, 1e-12);
+  expect_nodes_agree(v, 2e-3);
+}
+
+TEST(RadiusDistribution, MidpointsOfClasses) {
+  const double radii[] = {1e-6, 2e-6, 4e-6}, weights[] = {20, 0, 10};
+  const double edges[] = {1e-6 / std::sqrt(2), 1e-6 * std::sqrt(2), 2e-6 * std::sqrt(2), 4e-6 * std::sqrt(2)};
+  const auto d = RadiusDistribution::histogram_of_midpoints(radii, weights, SizeWeighting::volume);
+  const auto same = RadiusDistribution::histogram(edges, weights, SizeWeighting::volume);
+  for (const double power : {-1.0, 2.0, 4.0}) EXPECT_NEAR(d.moment(power) / same.moment(power), 1, 1e-12);
+  const double one[] = {3e-6}, seven[] = {7};
+  EXPECT_TRUE(RadiusDistribution::histogram_of_midpoints(one, seven).is_single());
+  EXPECT_NEAR(RadiusDistribution::histogram_of_midpoints(one, seven).mean_area(), 2.8274333882e-11, 1e-20);
+}
+
+TEST(RadiusDistribution, FineHistogramsAreTheirDistribution) {
+  // Classes 0.1 wide in ln(radius) of a log-normal distribution: moments converge with the square of the width.
+  for (const auto by : {SizeWeighting::number, SizeWeighting::volume}) {
+    const auto moment_error = [&](int classes) {
+      std::vector<double> edges, weights;
+      for (int i = 0; i <= classes; ++i) edges.push_back(1e-6 * std::exp(0.4 * (12.0 * i / classes - 6)));
+      for (int i = 0; i < classes; ++i) {
+        const auto below = [&](double r) {
+          return 0.5 * std::erfc(-std::log(r / 1e-6) / 0.4 / std::sqrt(2.0));
+        };
+        weights.push_back(below(edges[std::size_t(i) + 1]) - below(edges[std::size_t(i)]));
+      }
+      return RadiusDistribution::histogram(edges, weights, by).moment(3) /
+                 RadiusDistribution::log_normal(1e-6, 0.4, by).moment(3) -
+             1;
+    };
+    EXPECT_NEAR(moment_error(48), 0, 0.008);
+    EXPECT_NEAR(moment_error(48) / moment_error(96), 4, 0.2);
+  }
 }
 
 TEST(RadiusDistribution, AnyDensity) {
@@ -137,10 +174,16 @@ TEST(RadiusDistribution, BadInputIsNamed) {
   fails_with([] { R::gamma(1e-6, 0.5); }, "0.5");
   fails_with([] { R::modified_gamma(1e-6, 0, 1); }, "alpha");
   fails_with([] { R::modified_gamma(1e-6, 6, 20); }, "20");
-  fails_with([] { R::histogram({}); }, "no radius");
-  fails_with([] { R::histogram(std::vector<RadiusNode>{{1e-6, 0}, {2e-6, 0}}); }, "no radius");
-  fails_with([] { R::histogram(std::vector<RadiusNode>{{1e-6, -3}}); }, "-3");
-  fails_with([] { R::histogram(std::vector<RadiusNode>{{1e-6, 1}, {1e-6, 2}}); }, "twice");
+  using V = std::vector<double>;
+  fails_with([] { R::histogram_of_midpoints({}, {}); }, "positive sum");
+  fails_with([] { R::histogram_of_midpoints(V{1e-6, 2e-6}, V{0, 0}); }, "positive sum");
+  fails_with([] { R::histogram_of_midpoints(V{1e-6}, V{-3}); }, "-3");
+  fails_with([] { R::histogram_of_midpoints(V{1e-6, 1e-6}, V{1, 2}); }, "must increase");
+  fails_with([] { R::histogram_of_midpoints(V{1e-6, 2e-6}, V{1}); }, "as many midpoints");
+  fails_with([=] { R::histogram_of_midpoints(V{nan}, V{1}); }, "nan");
+  fails_with([=] { R::histogram(V{1e-6, 2e-6}, V{nan}); }, "nan");
+  fails_with([] { R::histogram(V{0, 2e-6}, V{1}); }, "radius in a histogram");
+  fails_with([] { R::histogram(V{1e-6, 2e-6}, V{1, 2}); }, "one edge more");
   fails_with([] { R::of_density([](double) { return 0.0; }, 1e-6, 2e-6); }, "no mass");
   fails_with([] { R::of_density([](double) { return -1.0; }, 1e-6, 2e-6); }, "-1");
   fails_with([] { R::of_density([](double) { return 1.0; }, 2e-6, 1e-6); }, "exceed");

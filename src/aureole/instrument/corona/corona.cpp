@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/instrument/corona/corona.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -30,7 +32,25 @@ std::pair<double, double> polar_about(Direction lamp, Direction v) {
 }
 
 bool PictureParts::has_azimuth(double azimuth) const {
-  return azimuth - 360 * std::floor((azimuth - from) / 360) <= to;
+  return azimuth - 360 * std::floor((azimuth - from) / 360) <= (to < from ? to + 360 : to);
+}
+
+PictureParts picture_parts(const std::vector<double>& azimuths, const std::vector<double>& masks) {
+  if (azimuths.size() != 2) throw Error("--azimuths: two numbers are needed, in degrees");
+  for (const double a : azimuths)
+    if (!(std::abs(a) <= 360)) throw Error(fmt::format("--azimuths: {:g} degrees are not in [-360, 360]", a));
+  const PictureParts parts{azimuths[0], azimuths[1], masks};
+  if (parts.from == parts.to)
+    throw Error(fmt::format("--azimuths: from {0:g} to {0:g} degrees there is nothing", parts.from));
+  if (masks.size() % 3)
+    throw Error("--mask: three numbers are needed for each disc: x, y and radius in pixels");
+  for (size_t m = 0; m < masks.size(); m += 3) {
+    if (!std::isfinite(masks[m]) || !std::isfinite(masks[m + 1]) || !std::isfinite(masks[m + 2]))
+      throw Error("--mask: a number is not finite");
+    if (!(masks[m + 2] > 0))
+      throw Error(fmt::format("--mask: the radius {:g} is not positive", masks[m + 2]));
+  }
+  return parts;
 }
 
 bool PictureParts::is_masked(double x, double y) const {

@@ -32,13 +32,18 @@ struct PinholeCamera {
 /// Angle from the light source in degrees, and azimuth around it in degrees: 0 to the right, 90 upwards.
 std::pair<double, double> polar_about(Direction lamp, Direction v);
 
-/// The pixels to be used: azimuths `from` ... `to` in degrees, without discs (x, y, radius in pixels).
+/// The pixels to be used: azimuths `from` ... `to` in degrees, without discs (x, y, radius in pixels). `from` 300 and
+/// `to` 60 are the 120 degrees through 0.
 struct PictureParts {
   double from = 0, to = 360;
   std::vector<double> discs;
   bool has_azimuth(double azimuth) const;
   bool is_masked(double x, double y) const;
 };
+
+/// The parts that the options --azimuths (two numbers) and --mask (three for each disc) leave. Throws Error that names
+/// the option for azimuths beyond [-360, 360] or that leave nothing, and for a disc without a positive radius.
+PictureParts picture_parts(const std::vector<double>& azimuths, const std::vector<double>& masks);
 
 /// Profile over the angle from the source's centre [degrees]: means of R, G, B over the selected azimuths.
 struct CoronaProfile {

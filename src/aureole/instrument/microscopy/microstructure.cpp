@@ -16,6 +16,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/instrument/microscopy/field_pool.h"
+#include "aureole/instrument/microscopy/material_choice.h"
 #include "aureole/instrument/microscopy/resampling.h"
 
 namespace aureole {
@@ -29,21 +30,19 @@ constexpr double kPairStep = 0.1, kLargestU = 15;
 
 Microstructure analyse_microstructure(size_t count, const std::function<Micrograph(size_t)>& read,
                                       const MicrostructureOptions& o, const FieldVisitor& visit) {
+  check_material_options(o);
   Microstructure m;
   FieldPool pool;
   pool_fields(count, read, o.segmentation, visit, m, pool);
   size_t whole = 0;
   std::string names;
-  for (const FieldReport& f : m.fields) {
+  for (const FieldReport& f : m.fields)
     whole += size_t(f.whole), names += (names.empty() ? "" : ", ") + f.name;
-    if (f.bright != m.fields[0].bright)
-      m.notes.push_back(f.name + ": particles are " + (f.bright ? "bright" : "dark") + ", in " +
-                        m.fields[0].name + " they are not; --polarity decides for all");
-  }
   if (m.particles.empty()) throw Error({names, 0, 0}, "no particles found");
   if (whole < 3)
     throw Error({names, 0, 0}, std::to_string(whole) + (whole == 1 ? " particle is" : " particles are") +
                                    " seen whole: at least 3 are needed for statistics");
+  choose_scatterers(m, o);
   if (whole < 20)
     m.notes.push_back("only " + std::to_string(whole) +
                       " particles are seen whole: the intervals are wide and rough");
@@ -108,6 +107,7 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   m.correlation_radius_given = o.correlation_radius_m > 0;
   const double a = m.correlation_radius_given ? o.correlation_radius_m : 0.5 * onset.distance;
   m.onset_width = onset.distance > 0 ? onset.width / onset.distance : 0;
+  m.onset_height = onset.contact;
   if (!m.correlation_radius_given && !estimator.fits_onset())
     m.notes.push_back(
         "too few close pairs: the correlation radius is half the smallest distance, too large by an unknown "
@@ -172,6 +172,7 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
     m.notes.push_back("the fields are too small, relative to the particles, for a structure factor");
   }
   classify_shapes(m);
+  note_bad_fits(m);
   return m;
 }
 

@@ -3,6 +3,7 @@
 // a layer of correlated scatterers. Lengths are in metres.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,8 +17,14 @@
 
 namespace aureole {
 
+/// The scatterers of the material that the particles are written as: openings in an opaque sheet, opaque discs, or
+/// transparent spheres. automatic: discs for particles darker than their ground, apertures for brighter ones.
+enum class ScattererKind { automatic, apertures, discs, spheres };
+
 struct MicrostructureOptions {
   SegmentationOptions segmentation;
+  ScattererKind scatterer = ScattererKind::automatic;
+  std::string int_ior;              ///< of spheres, which need it: a number or the name of a material
   double correlation_radius_m = 0;  ///< 0: estimated
   int resamples = 300;              ///< number of bootstrap resamples
   std::uint64_t seed = 1;
@@ -53,6 +60,7 @@ struct Microstructure {
   Estimate mean_radius, deviation, log_deviation;
   std::vector<Estimate> quantiles;  ///< at kQuantiles
   double onset_width = 0;           ///< of g(r), relative to the smallest distance
+  double onset_height = 0;          ///< of the fitted g(r) just above that distance; 0 without a fit
 
   bool round = true;
   double circularity = 1, aspect = 1, alignment = 0;  ///< medians; |mean of exp(2i angle)|
@@ -69,8 +77,17 @@ struct Microstructure {
   Curve pair_correlation;  ///< x: r/correlation_radius
   Curve structure_factor;  ///< x: u = q correlation_radius
 
-  int blocks = 0;  ///< number of bootstrap blocks
-  std::vector<std::string> notes;
+  ScattererKind scatterer = ScattererKind::apertures;  ///< of the material; never automatic
+  std::string int_ior;                                 ///< of spheres
+
+  int blocks = 0;                    ///< number of bootstrap blocks
+  std::vector<std::string> choices;  ///< what the program chose, why, and the option that chooses otherwise
+  std::vector<std::string> notes;    ///< doubts about the result
+
+  /// Returns the median of a log-normal distribution with the mean and the log-normal sigma of the radii.
+  double median_radius() const {
+    return mean_radius.value * std::exp(-0.5 * log_deviation.value * log_deviation.value);
+  }
 };
 
 /// Called with each field, its segmentation and its particles, in order, to draw pictures for visual

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "aureole/instrument/report/svg_plot.h"
 
@@ -14,8 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestFraction = 0.7;  // upper bound of `correlated_scatterers`
-constexpr double kMinSpread = 0.02;       // smallest relative deviation of radii that a picture can resolve
+constexpr double kLargestFraction = 0.7;      // upper bound of `correlated_scatterers`
+constexpr double kLargestSphereSpread = 0.7;  // upper bound of `correlated_spheres`
+constexpr double kMinSpread = 0.02;  // smallest relative deviation of radii that a picture can resolve
 
 Json json(const Estimate& e, double unit = 1) {
   return {{"value", e.value / unit}, {"low", e.low / unit}, {"high", e.high / unit}};
@@ -37,6 +39,10 @@ std::string curve_text(const Microstructure::Curve& c, const std::string& head) 
   return out;
 }
 
+std::string name_of(ScattererKind kind) {
+  return kind == ScattererKind::spheres ? "spheres" : kind == ScattererKind::discs ? "discs" : "apertures";
+}
+
 Json result(const Microstructure& m) {
   Json j;
   j["confidence"] = 0.95;
@@ -45,7 +51,7 @@ Json result(const Microstructure& m) {
   j["number_density_per_mm2"] = json(m.density, 1e6);
   j["correlation_radius_um"] = json(m.correlation_radius, 1e-6);
   j["correlation_radius_given"] = m.correlation_radius_given;
-  j["onset_width"] = m.onset_width;
+  j["onset_width"] = m.onset_width, j["onset_height"] = m.onset_height;
   Json r;
   r["mean_um"] = json(m.mean_radius, 1e-6), r["deviation_um"] = json(m.deviation, 1e-6);
   r["log_normal_sigma"] = json(m.log_deviation);
@@ -72,7 +78,10 @@ Json result(const Microstructure& m) {
   j["blocks"] = m.blocks;
   j["pair_correlation"] = json(m.pair_correlation, 1.96);
   j["structure_factor"] = json(m.structure_factor, 1.96);
+  j["scatterer"] = name_of(m.scatterer);
+  j["choices"] = m.choices;
   j["notes"] = m.notes;
+  for (const std::string& note : measured_material(m).notes) j["notes"].push_back(note);
   j["rules"] = {
       {"sizes",
        "particles whose bounding square lies inside the window, weighted by 1/(area of places where it "
@@ -137,16 +146,45 @@ Plot plot_of(const Microstructure::Curve& c, PlotSeries::Kind kind) {
   return p;
 }
 
-}  // namespace
-
-std::string size_histogram(const Microstructure& m) {
-  std::string out =
-      fmt::format("# size relative to the mean radius {:.6g}um, count\n", m.mean_radius.value * 1e6);
-  for (const Bin& b : size_bins(m)) out += fmt::format("{:.6f} {:.4g}\n", b.size, b.count);
-  return out;
+/// Returns an area fraction that the models of positions cover, with a note if it is another.
+double limited_fraction(double fraction, std::vector<std::string>& notes) {
+  if (fraction <= kLargestFraction) return fraction;
+  notes.push_back(
+      fmt::format("the area fraction {:.4g} is above what the model of positions covers and is cut to {}",
+                  fraction, kLargestFraction));
+  return kLargestFraction;
 }
 
-std::string scene_snippet(const Microstructure& m) {
+/// A `correlated_spheres` element: spheres of the particles' projected areas.
+std::string sphere_element(const Microstructure& m, std::vector<std::string>& notes) {
+  const double um = 1e6, a = m.correlation_radius.value;
+  const bool spread = m.deviation.value > kMinSpread * m.mean_radius.value;
+  const double radius = spread ? m.median_radius() : m.mean_radius.value;
+  if (!m.round) notes.push_back("particles are not round: spheres of their projected areas are written");
+  if (std::abs(a / m.mean_radius.value - 1) > 0.05)
+    notes.push_back(fmt::format(
+        "positions of spheres are those of hard discs of their radius, {:.4g} um; the measured correlation "
+        "radius, {:.4g} um, is not used",
+        m.mean_radius.value * um, a * um));
+  double sigma = m.log_deviation.value;
+  if (sigma > kLargestSphereSpread) {
+    notes.push_back(
+        fmt::format("the log-normal sigma {:.3g} is above what the model of spheres covers and is cut to {}",
+                    sigma, kLargestSphereSpread));
+    sigma = kLargestSphereSpread;
+  }
+  std::string out = fmt::format(
+      "<bsdf type=\"correlated_spheres\" id=\"measured\">\n    <string name=\"radius\" value=\"{:.7g}um\"/>\n"
+      "    <float name=\"area_fraction\" value=\"{:.4g}\"/>\n",
+      radius * um, limited_fraction(m.shape_fraction.value, notes));
+  if (spread) out += fmt::format("    <float name=\"size_spread\" value=\"{:.4g}\"/>\n", sigma);
+  const bool number = m.int_ior.find_first_not_of("0123456789.eE+- ") == std::string::npos;
+  return out + fmt::format("    <{} name=\"int_ior\" value=\"{}\"/>\n</bsdf>\n", number ? "float" : "string",
+                           m.int_ior);
+}
+
+/// A `correlated_scatterers` element: openings or opaque discs.
+std::string scatterer_element(const Microstructure& m, std::vector<std::string>& notes) {
   const double r = m.mean_radius.value, a = m.correlation_radius.value, um = 1e6;
   const bool spread = m.deviation.value > kMinSpread * r;
   double largest = 1;
@@ -155,7 +193,6 @@ std::string scene_snippet(const Microstructure& m) {
   // Scatterers must fit into discs of the correlation radius. Radii that are equal within rounding are made
   // equal.
   double fraction = m.area_fraction.value, radius = r;
-  std::string remark;
   if (!spread && r > a && r < 1.03 * a) radius = a;
   double reach = radius;  // of a shape of mean size
   if (!m.round) {
@@ -166,27 +203,19 @@ std::string scene_snippet(const Microstructure& m) {
   if (!fits && spread) {
     // Small particles are closer together than large ones: each gets a disc proportional to its own size.
     fraction = m.shape_fraction.value * (reach / r) * (reach / r);
-    remark =
-        "\n     Sizes differ by more than the correlation radius leaves room for: they are packed together.";
+    notes.push_back(
+        "sizes differ by more than the correlation radius leaves room for: they are packed together");
   } else if (!fits) {
     fraction = m.density.value * M_PI * reach * reach;
-    remark = fmt::format(
-        "\n     The largest shape needs more than the measured correlation radius, {:.4g}um (area fraction "
-        "{:.4g}): its own is used.",
-        a * um, m.area_fraction.value);
+    notes.push_back(fmt::format(
+        "the largest shape needs more than the measured correlation radius, {:.4g} um (area fraction "
+        "{:.4g}): its own is used",
+        a * um, m.area_fraction.value));
   }
-  if (fraction > kLargestFraction) {
-    remark += fmt::format(
-        "\n     The area fraction {:.4g} is above what this model of positions knows and is cut to {}.",
-        fraction, kLargestFraction);
-    fraction = kLargestFraction;
-  }
+  fraction = limited_fraction(fraction, notes);
   std::string out = fmt::format(
-      "<!-- Measured from {} particles in {} field(s): covered part {:.4g} [{:.4g}, {:.4g}], area fraction "
-      "{:.4g} [{:.4g}, {:.4g}].{} -->\n<scene version=\"3.0.0\">\n<bsdf type=\"correlated_scatterers\" "
-      "id=\"measured\">\n",
-      m.particles.size(), m.fields.size(), m.shape_fraction.value, m.shape_fraction.low,
-      m.shape_fraction.high, m.area_fraction.value, m.area_fraction.low, m.area_fraction.high, remark);
+      "<bsdf type=\"correlated_scatterers\" id=\"measured\">\n    <string name=\"scatterer\" value=\"{}\"/>\n",
+      name_of(m.scatterer));
   if (m.round && !spread)
     out += fmt::format("    <string name=\"radius\" value=\"{:.7g}um\"/>\n", radius * um);
   if (fits) out += fmt::format("    <string name=\"correlation_radius\" value=\"{:.7g}um\"/>\n", a * um);
@@ -209,7 +238,33 @@ std::string scene_snippet(const Microstructure& m) {
     if (spread) out += "        <string name=\"size_histogram\" value=\"sizes.txt\"/>\n";
     out += "    </aperture>\n";
   }
-  return out + "</bsdf>\n</scene>\n";
+  return out + "</bsdf>\n";
+}
+
+}  // namespace
+
+std::string size_histogram(const Microstructure& m) {
+  std::string out =
+      fmt::format("# size relative to the mean radius {:.6g}um, count\n", m.mean_radius.value * 1e6);
+  for (const Bin& b : size_bins(m)) out += fmt::format("{:.6f} {:.4g}\n", b.size, b.count);
+  return out;
+}
+
+MeasuredMaterial measured_material(const Microstructure& m) {
+  MeasuredMaterial made;
+  const std::string element = m.scatterer == ScattererKind::spheres ? sphere_element(m, made.notes)
+                                                                    : scatterer_element(m, made.notes);
+  std::string comment = fmt::format(
+      "Measured from {} particles in {} field(s): covered part {:.4g} [{:.4g}, {:.4g}], area fraction "
+      "{:.4g} [{:.4g}, {:.4g}].",
+      m.particles.size(), m.fields.size(), m.shape_fraction.value, m.shape_fraction.low,
+      m.shape_fraction.high, m.area_fraction.value, m.area_fraction.low, m.area_fraction.high);
+  for (const auto* notes : {&m.choices, &m.notes, &std::as_const(made.notes)})
+    for (const std::string& note : *notes) comment += "\n     Note: " + note + ".";
+  // A comment of XML has no two hyphens side by side.
+  for (size_t at; (at = comment.find("--")) != std::string::npos;) comment.erase(at, 2);
+  made.scene = "<!-- " + comment + " -->\n<scene version=\"3.0.0\">\n" + element + "</scene>\n";
+  return made;
 }
 
 void write_microstructure(const Microstructure& m, const OutputFolder& folder) {
@@ -220,7 +275,7 @@ void write_microstructure(const Microstructure& m, const OutputFolder& folder) {
                curve_text(m.structure_factor, "u = q correlation_radius, S, standard error"));
   folder.write("pair_correlation.txt",
                curve_text(m.pair_correlation, "r/correlation_radius, g, standard error"));
-  folder.write("scene.xml", scene_snippet(m));
+  folder.write("scene.xml", measured_material(m).scene);
   double width = 0;
   PlotSeries bars{PlotSeries::Kind::bars, {}, {}, {}, {}, 0};
   for (const Bin& b : size_bins(m, &width))

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "aureole/core/image.h"
 #include "aureole/instrument/microscopy/microstructure.h"
@@ -18,8 +19,15 @@ void write_microstructure(const Microstructure& m, const OutputFolder& folder);
 /// mean size and count of each bin.
 std::string size_histogram(const Microstructure& m);
 
-/// A `correlated_scatterers` element with the measured values.
-std::string scene_snippet(const Microstructure& m);
+/// The measured material as a scene file that contains it alone, and notes of what its models cannot represent.
+struct MeasuredMaterial {
+  std::string scene;
+  std::vector<std::string> notes;
+};
+
+/// Makes a `correlated_scatterers` or `correlated_spheres` element with the measured values and the id "measured".
+/// The comment before it has all choices and notes.
+MeasuredMaterial measured_material(const Microstructure& m);
 
 /// Draws the field in grey, with the outlines (green: uncut, orange: cut) and centres of its particles.
 Image overlay(const Micrograph& field, const Segmentation& segmentation,

@@ -80,6 +80,25 @@ double thin_slab_reflectance(double cos_i, double n_ext, double n_int) {
   return 2 * r / (1 + r);
 }
 
+SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickness) {
+  if (!(thickness > 0 && std::isfinite(thickness)))
+    throw std::domain_error("thickness of a slab must be positive and finite, got " + std::to_string(thickness));
+  const FresnelAmplitudes face = fresnel_amplitudes(cos_i, n_ext, n_slab);
+  // The phase of one way through the slab; its imaginary part is the loss.
+  const Complex way = std::exp(Complex(0, 2 * kPi * thickness) * (n_slab * face.cos_t));
+  SlabPowers mean;
+  for (const Complex r : {face.r_s, face.r_p}) {
+    const Complex sum = 1.0 - r * r * way * way;
+    if (sum == 0.0) {  // grazing incidence: the wave meets a mirror
+      mean.reflected += 0.5;
+      continue;
+    }
+    mean.reflected += 0.5 * std::norm(r * (1.0 - way * way) / sum);
+    mean.transmitted += 0.5 * std::norm((1.0 - r * r) * way / sum);
+  }
+  return mean;
+}
+
 double fresnel_diffuse_reflectance(double eta) {
   check_real_index(eta);
   if (eta == 1) return 0;

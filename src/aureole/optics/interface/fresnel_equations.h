@@ -41,6 +41,18 @@ double fresnel_reflectance_conductor(double cos_i, double n_i, std::complex<doub
 /// polarisations through the slab either. `n_ext` is the index outside, `n_int` the slab's.
 double thin_slab_reflectance(double cos_i, double n_ext, double n_int);
 
+/// Fractions of the power of a plane wave. The rest is absorbed.
+struct SlabPowers {
+  double reflected = 0, transmitted = 0;
+};
+
+/// Returns the fractions of unpolarised power that a slab with parallel faces reflects and transmits, with interference
+/// of all reflections within it (Born & Wolf 1999, 1.6.4 equations 57 to 60 and 14.4; Recommendation ITU-R P.2040-3,
+/// section 2.2.2, a single layer). The mean of both polarisations. `n_ext` is the index on both sides, `n_slab` = eta
+/// + i k that of the slab, `thickness` is a multiple of the wavelength in vacuum. Throws std::domain_error, also for a
+/// thickness that is not positive and finite.
+SlabPowers slab_powers(double cos_i, double n_ext, std::complex<double> n_slab, double thickness);
+
 /// Returns the reflectance for ideally diffuse unpolarised light, the integral of 2 R(mu) mu over mu in [0,
 /// 1]. `eta` is the index beyond the interface over that on the incident side: eta > 1 is the "external" and
 /// eta < 1 the "internal" diffuse reflectance. The quadrature error is below 1e-9.

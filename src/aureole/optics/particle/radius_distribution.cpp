@@ -114,37 +114,69 @@ RadiusDistribution RadiusDistribution::modified_gamma(double mode_radius, double
   return power_exponential(alpha, gamma, alpha / (gamma * std::pow(mode_radius, gamma)));
 }
 
-RadiusDistribution RadiusDistribution::histogram(std::span<const RadiusNode> counts) {
-  std::vector<RadiusNode> classes(counts.begin(), counts.end());
+namespace {
+
+/// Throws std::domain_error for lengths that are invalid or do not increase, and for weights that are.
+void check_classes(std::span<const double> lengths, std::span<const double> weights) {
   double total = 0;
-  for (const RadiusNode& c : classes) {
-    require_length(c.radius, "radius in a histogram");
-    require(c.weight >= 0 && std::isfinite(c.weight), "count in a histogram must not be negative", c.weight);
-    total += c.weight;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    require_length(lengths[i], "radius in a histogram");
+    require(i == 0 || lengths[i] > lengths[i - 1], "radii in a histogram must increase", lengths[i]);
   }
-  if (!(total > 0)) throw std::domain_error("the histogram has no radius with a positive count");
-  std::sort(classes.begin(), classes.end(), [](auto& a, auto& b) { return a.radius < b.radius; });
-  for (std::size_t i = 1; i < classes.size(); ++i)
-    require(classes[i].radius > classes[i - 1].radius, "radius occurs twice in a histogram",
-            classes[i].radius);
-  if (classes.size() == 1) return monodisperse(classes[0].radius);
+  for (const double w : weights) {
+    require(w >= 0 && std::isfinite(w), "weight in a histogram must not be negative", w);
+    total += w;
+  }
+  require(total > 0 && std::isfinite(total), "the weights of a histogram need a positive sum", total);
+}
+
+}  // namespace
+
+RadiusDistribution RadiusDistribution::histogram(std::span<const double> edges,
+                                                 std::span<const double> weights, SizeWeighting by) {
+  check_classes(edges, weights);
+  require(edges.size() == weights.size() + 1, "a histogram has one edge more than weights; number of edges",
+          double(edges.size()));
+  // Relative to the largest radius, no power of a radius overflows. A weight w of a class of the width l in ln(r) is the
+  // density dN/dln(r) = w r^-p/l, with p = 0 by number and 3 by volume.
+  const double unit = edges.back(), p = by == SizeWeighting::volume ? 3 : 0;
+  const auto integral = [](double low, double high, double power) {
+    return power == 0 ? std::log(high / low) : (std::pow(high, power) - std::pow(low, power)) / power;
+  };
   RadiusDistribution d;
-  for (std::size_t i = 0; i < classes.size(); ++i) {
-    const double r = classes[i].radius;
-    const double below = i > 0 ? 0.5 * (classes[i - 1].radius + r) : 0;
-    const double above = i + 1 < classes.size() ? 0.5 * (r + classes[i + 1].radius) : 2 * r - below;
-    const double low = i > 0 ? below : std::max(2 * r - above, 0.5 * r);
-    if (classes[i].weight > 0) d.intervals_.push_back({low, above, classes[i].weight / total});
+  d.class_power_ = -p - 1;
+  double total = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (!(weights[i] > 0)) continue;
+    const double low = edges[i], high = edges[i + 1];
+    const double number = weights[i] * integral(low / unit, high / unit, -p) / std::log(high / low);
+    d.intervals_.push_back({low, high, number});
+    total += number;
   }
-  d.moment_ = [intervals = d.intervals_](double power) {
+  for (Interval& c : d.intervals_) c.weight /= total;
+  d.moment_ = [=, intervals = d.intervals_](double power) {
     double sum = 0;
     for (const Interval& c : intervals)
-      sum += c.weight / (c.high - c.low) *
-             (power == -1 ? std::log(c.high / c.low)
-                          : (std::pow(c.high, power + 1) - std::pow(c.low, power + 1)) / (power + 1));
-    return sum;
+      sum += c.weight * integral(c.low / unit, c.high / unit, power - p) /
+             integral(c.low / unit, c.high / unit, -p);
+    return sum * std::pow(unit, power);
   };
   return d;
+}
+
+RadiusDistribution RadiusDistribution::histogram_of_midpoints(std::span<const double> radii,
+                                                              std::span<const double> weights,
+                                                              SizeWeighting by) {
+  check_classes(radii, weights);
+  require(radii.size() == weights.size(), "a histogram has as many midpoints as weights; number of midpoints",
+          double(radii.size()));
+  if (radii.size() == 1) return monodisperse(radii[0]);
+  std::vector<double> edges;
+  for (std::size_t i = 1; i < radii.size(); ++i)
+    edges.push_back(std::sqrt(radii[i - 1]) * std::sqrt(radii[i]));
+  edges.insert(edges.begin(), radii.front() * (radii.front() / edges.front()));
+  edges.push_back(radii.back() * (radii.back() / edges.back()));
+  return histogram(edges, weights, by);
 }
 
 RadiusDistribution RadiusDistribution::of_density(const std::function<double(double)>& density,
@@ -216,8 +248,8 @@ std::vector<RadiusNode> RadiusDistribution::nodes(double per_metre, double per_u
       }
       r = std::exp(y);
       const double width = step * r / (a * r + b);
-      nodes.push_back({r, c.weight > 0 ? width : density_(r) * width});
-      sum += width;
+      nodes.push_back({r, width * (c.weight > 0 ? std::pow(r / c.high, class_power_) : density_(r))});
+      sum += nodes.back().weight;
     }
     if (c.weight > 0)
       for (std::size_t i = first; i < nodes.size(); ++i) nodes[i].weight *= c.weight / sum;

@@ -38,10 +38,16 @@ public:
   /// Electromagnetic Scattering on Spherical Polydispersions, 1969, equation 60). `alpha` and `gamma` > 0.
   static RadiusDistribution modified_gamma(double mode_radius, double alpha, double gamma);
 
-  /// A histogram of measured counts, in any order. The density is constant between the midpoints of
-  /// neighbouring radii; the first and the last class extend as far outwards as inwards. A single radius is
+  /// A histogram: classes between neighbouring `edges`, which increase, and the number or volume of particles in each,
+  /// in any unit. Within a class the quantity is spread evenly over ln(radius).
+  static RadiusDistribution histogram(std::span<const double> edges, std::span<const double> weights,
+                                      SizeWeighting by = SizeWeighting::number);
+  /// A histogram of classes given by increasing radii within them. Neighbours meet at the geometric mean of their
+  /// radii; the first and the last class extend as far outwards as inwards in ln(radius). A single radius is
   /// monodisperse.
-  static RadiusDistribution histogram(std::span<const RadiusNode> counts);
+  static RadiusDistribution histogram_of_midpoints(std::span<const double> radii,
+                                                   std::span<const double> weights,
+                                                   SizeWeighting by = SizeWeighting::number);
 
   /// An arbitrary density over [smallest, largest], which is normalised here. It must be smooth on the scale
   /// of its own width and negligible at both ends (or zero beyond them).
@@ -70,13 +76,15 @@ public:
 
 private:
   struct Interval {
-    double low, high, weight;  // weight 0: given by `density_`
+    double low, high, weight;  // fraction of the number; 0: given by `density_`
   };
   RadiusDistribution() = default;
   static RadiusDistribution power_exponential(double alpha, double gamma, double rate);
 
   bool single_ = false;
   std::vector<Interval> intervals_;
+  double class_power_ =
+      0;  ///< within an interval with a weight, the density is proportional to radius^class_power_
   std::function<double(double)> density_;  ///< per m, integral 1
   std::function<double(double)> moment_;
 };
