@@ -30,6 +30,12 @@ struct Arguments {
   int threads = 0, replicates = 1;
   double time_s = 0;
   std::vector<double> min_db, max_db;  // one number each, or none
+  // For scenes without a sensor: a map on a plane. Three numbers each, or none; `size` has two.
+  std::vector<double> plane, normal, size, transmitters;
+  std::string frequency;
+  double cell = 0;
+  int max_depth = -2;
+  bool diffraction = false;
   bool quiet = false;
 };
 
@@ -108,6 +114,81 @@ std::optional<double> end_of_colours(const char* option, const std::vector<doubl
   return given[0];
 }
 
+std::string vector_text(const char* name, double x, double y, double z) {
+  return fmt::format("{}=\"{:.9g}, {:.9g}, {:.9g}\"", name, x, y, z);
+}
+
+/// Returns a scene that adds to `file` a map on a plane and transmitters.
+std::string scene_with_plane(const std::filesystem::path& file, const Arguments& a) {
+  const auto positive = [](const char* option, double value) {
+    if (!(value > 0 && std::isfinite(value)))
+      throw Error(fmt::format("{} {:g}: must be positive and finite", option, value));
+  };
+  if (a.size.empty()) throw Error("--plane: give its --size too, width and height in the scene's units");
+  if (a.frequency.empty()) throw Error("--plane: give the --frequency too, such as 3.5GHz");
+  positive("--size", a.size[0]), positive("--size", a.size[1]);
+  constexpr double kCells = 200, kMostCells = 16384;
+  const double longest = std::max(a.size[0], a.size[1]), cell = a.cell != 0 ? a.cell : longest / kCells;
+  positive("--cell", cell);
+  if (longest / cell > kMostCells)
+    throw Error(
+        fmt::format("--cell {:g}: the map would have more than {} cells along a side", cell, kMostCells));
+  double nm = 0;
+  try {
+    nm = parse_wavelength_nm(a.frequency);
+  } catch (const Error& e) {
+    throw Error("--frequency: " + e.message());
+  }
+  // The picture's right is the world's x for a horizontal map, whose up is y.
+  const std::vector<double> n = a.normal.empty() ? std::vector<double>{0, 0, 1} : a.normal;
+  const bool is_horizontal = n[0] == 0 && n[1] == 0;
+  if (is_horizontal && n[2] == 0) throw Error("--normal 0 0 0: is no direction");
+  constexpr double kBand = 5e-4;  // half of the relative width of the band
+  std::string text = "<scene version=\"3.0.0\"><sensor type=\"powermap\"><transform name=\"to_world\">";
+  text += fmt::format("<scale x=\"{:.9g}\" y=\"{:.9g}\"/>", 0.5 * a.size[0], 0.5 * a.size[1]);
+  text += "<lookat " + vector_text("origin", a.plane[0], a.plane[1], a.plane[2]) + " " +
+          vector_text("target", a.plane[0] + n[0], a.plane[1] + n[1], a.plane[2] + n[2]) +
+          (is_horizontal ? " up=\"0, 1, 0\"" : " up=\"0, 0, 1\"") + "/></transform>";
+  text += fmt::format(
+      "<film type=\"hdrfilm\"><integer name=\"width\" value=\"{}\"/><integer name=\"height\" value=\"{}\"/>"
+      "<string name=\"wavelength_min\" value=\"{:.9g}\"/><string name=\"wavelength_max\" value=\"{:.9g}\"/>"
+      "<string name=\"response\" value=\"uniform\"/><string name=\"component_format\" value=\"float32\"/>"
+      "<rfilter type=\"box\"/></film><sampler type=\"sobol\"><integer name=\"sample_count\" value=\"64\"/></sampler>"
+      "</sensor>",
+      std::max(1L, std::lround(a.size[0] / cell)), std::max(1L, std::lround(a.size[1] / cell)),
+      nm * (1 - kBand), nm * (1 + kBand));
+  for (std::size_t i = 0; i + 2 < a.transmitters.size(); i += 3)
+    text += fmt::format(
+        "<emitter type=\"point\"><point name=\"position\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
+        "<spectrum name=\"intensity\" value=\"1\"/></emitter>",
+        a.transmitters[i], a.transmitters[i + 1], a.transmitters[i + 2]);
+  std::string name = file.filename().string(), escaped;
+  for (const char c : name)
+    escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+  return text + "<include filename=\"" + escaped + "\"/></scene>";
+}
+
+LoadedScene load_map(const Arguments& a) {
+  LoadOptions load;
+  load.defines = split_defines(a.defines);
+  load.integrator = a.integrator;
+  if (a.max_depth >= -1)
+    load.integrator_parameters.push_back({"integer", "max_depth", std::to_string(a.max_depth)});
+  if (a.diffraction) load.integrator_parameters.push_back({"boolean", "diffraction", "true"});
+  if (a.plane.empty()) {
+    for (const auto& [option, given] :
+         {std::pair("--size", !a.size.empty()), std::pair("--normal", !a.normal.empty()),
+          std::pair("--cell", a.cell != 0), std::pair("--frequency", !a.frequency.empty()),
+          std::pair("--transmitter", !a.transmitters.empty())})
+      if (given) throw Error(std::string(option) + ": is for maps by --plane");
+    return load_scene(a.scene, load);
+  }
+  load.fallback_integrator = "ptracer";  // finds light of a point by way of walls that are mirrors
+  load.radio_materials = true;
+  return load_scene_from_string(scene_with_plane(a.scene, a),
+                                std::filesystem::path(a.scene).parent_path() / "--plane", load);
+}
+
 int powermap(const Arguments& a) {
   if (a.spp == 0 || a.spp < -1)
     throw Error(fmt::format("--spp {}: at least one sample per cell is needed", a.spp));
@@ -138,10 +219,7 @@ int powermap(const Arguments& a) {
   require_writable(output);
   require_writable(png);
 
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  load.integrator = a.integrator;
-  const LoadedScene loaded = load_scene(a.scene, load);
+  const LoadedScene loaded = load_map(a);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   require_power_map(*loaded.scene);
@@ -195,7 +273,7 @@ int powermap(const Arguments& a) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
-  options.add("scene", a->scene, "scene file whose sensor is a powermap").required();
+  options.add("scene", a->scene, "scene file whose sensor is a powermap, or any with --plane").required();
   options.add("-o,--output", a->output,
               "output .exr (default: beside the scene), with a .png of the same name");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
@@ -206,6 +284,20 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--replicates", a->replicates,
               "number of independent maps; stores their mean and its standard error in dB");
   options.add("--integrator", a->integrator, "replace the scene's integrator: ptracer, path, bdpt");
+  options.add("--max-depth", a->max_depth, "replace the integrator's max_depth");
+  options.add("--diffraction", a->diffraction, "edges of shapes diffract");
+  options
+      .add(
+          "--plane", a->plane,
+          "X Y Z: map on a plane with this centre, instead of the scene's sensor; needs --size and --frequency. "
+          "BSDFs with ids such as mat-itu_concrete become slabs of that material, 0.1 m thick")
+      .takes(3);
+  options.add("--size", a->size, "W H: width and height of the plane, in the scene's units").takes(2);
+  options.add("--normal", a->normal, "X Y Z: normal of the plane (default: 0 0 1, up)").takes(3);
+  options.add("--cell", a->cell, "side of a cell of the plane (default: 200 cells along the longer side)");
+  options.add("--frequency", a->frequency, "frequency or wavelength of the map on a plane, such as 3.5GHz");
+  options.add("--transmitter", a->transmitters, "X Y Z: adds an isotropic transmitter; may be repeated")
+      .takes_each_time(3);
   options.add(
       "--power", a->power,
       "total power of all emitters in the band, \"2W\", \"500mW\" or \"33dBm\" (default: the scene's)");

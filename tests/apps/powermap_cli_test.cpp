@@ -8,6 +8,8 @@
 #include <fstream>
 
 #include "aureole/core/image.h"
+#include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/optics/interface/radio_material.h"
 #include "harness/paths.h"
 #include "loading/load_text.h"
 
@@ -91,6 +93,78 @@ TEST_F(PowerMapCommand, AnEndOfTheColoursBeyondTheValuesLosesNoMap) {
     EXPECT_TRUE(fs::remove(folder.path / "map.exr"));
     EXPECT_TRUE(fs::remove(folder.path / "map.png"));
   }
+}
+
+// A scene as sionna-rt has them: a colour for the eye whose id is the material, and neither sensor nor integrator.
+TEST_F(PowerMapCommand, MapsAPlaneBehindAWall) {
+  folder.write(
+      "wall.xml",
+      "<scene version='2.1.0'><bsdf type='twosided' id='mat-itu_concrete'><bsdf type='diffuse'/></bsdf>"
+      "<shape type='rectangle'><transform name='to_world'><scale value='1000'/></transform>"
+      "<ref id='mat-itu_concrete' name='bsdf'/></shape></scene>");
+  ASSERT_EQ(run({"wall.xml",
+                 "--plane",
+                 "20",
+                 "0",
+                 "-1",
+                 "--size",
+                 "2",
+                 "1",
+                 "--cell",
+                 "0.5",
+                 "--frequency",
+                 "3.5GHz",
+                 "--transmitter",
+                 "0",
+                 "0",
+                 "9",
+                 "-o",
+                 "map.exr",
+                 "--spp",
+                 "16"}),
+            0)
+      << output;
+  EXPECT_NE(
+      output.find(
+          "1 BSDF named after building materials (itu_concrete) is replaced by slabs of these, 0.1m thick"),
+      std::string::npos)
+      << output;
+  const Image map = read_image(folder.path / "map.exr");
+  EXPECT_EQ(map.width, 4);
+  EXPECT_EQ(map.height, 2);
+  const double f = 3.5e9, wavelength = 299792458 / f;
+  for (int x = 0; x < 4; ++x) {
+    const double across = std::hypot(19.25 + 0.5 * x, 0.25), cosine = 10 / std::hypot(10, across);
+    const optics::SlabPowers wall = optics::slab_powers(
+        cosine, 1, std::sqrt(optics::radio_permittivity("concrete", f)), 0.1 / wavelength);
+    EXPECT_NEAR(map.at(x, 0, std::size_t(map.channel("relative_dB"))), 10 * std::log10(wall.transmitted), 0.1)
+        << x;
+  }
+}
+
+TEST_F(PowerMapCommand, RefusesPlanesThatAreNotStated) {
+  const std::string file =
+      folder.write("no.xml", "<scene version='3.0.0'><shape type='sphere'/></scene>").string();
+  refused({file, "--plane", "0", "0", "1"}, "--plane: give its --size too");
+  refused({file, "--plane", "0", "0", "1", "--size", "2", "3"}, "--plane: give the --frequency too");
+  const std::vector<std::string> good = {
+      file,   "--plane",       "0", "0", "1", "--size", "2", "3", "--frequency",
+      "3GHz", "--transmitter", "0", "0", "9"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = good;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  refused(with({"--cell=-1"}), "--cell -1: must be positive");
+  refused(with({"--cell", "1e-9"}), "more than 16384 cells");
+  refused(with({"--normal", "0", "0", "0"}), "is no direction");
+  refused({file, "--plane", "0", "0", "1", "--size", "0", "3", "--frequency", "3GHz"},
+          "--size 0: must be positive");
+  refused({file, "--plane", "0", "0", "1", "--size", "2", "3", "--frequency", "blue"}, "--frequency: ");
+  refused({scene(kBand), "--frequency", "3GHz"}, "--frequency: is for maps by --plane");
+  folder.write("cheese.xml", "<scene version='3.0.0'><bsdf type='diffuse' id='mat-itu_cheese'/></scene>");
+  refused({"cheese.xml", "--plane", "0", "0", "1", "--size", "2", "3", "--frequency", "3GHz"},
+          "the id \"mat-itu_cheese\" names no building material");
 }
 
 TEST_F(PowerMapCommand, RefusesWhatItCannotMap) {

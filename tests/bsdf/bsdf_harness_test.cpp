@@ -101,6 +101,19 @@ const BsdfCases kThinDielectric("thindielectric", {},
                <string name="ext_ior" value="water"/></bsdf>)",
                                            [](BsdfCase& c) { c.lossless = true; })});
 
+const BsdfCases kSlab(
+    "slab", {},
+    {make_case(
+         "slab_soap",
+         R"(<bsdf type="slab"><string name="int_ior" value="water"/><string name="thickness" value="400nm"/></bsdf>)",
+         [](BsdfCase& c) { c.lossless = true; }),
+     make_case(
+         "slab_gold_leaf",
+         R"(<bsdf type="slab"><string name="int_ior" value="Au"/><string name="thickness" value="80nm"/></bsdf>)"),
+     make_case(
+         "slab_opaque",
+         R"(<bsdf type="slab"><string name="int_ior" value="Au"/><string name="thickness" value="1mm"/></bsdf>)")});
+
 const BsdfCases kPlastic(
     "plastic", one_sided,
     {make_case("plastic_default", R"(<bsdf type="plastic"/>)", one_sided),

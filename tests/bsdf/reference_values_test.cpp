@@ -117,6 +117,20 @@ TEST(ReferenceValues, Dielectrics) {
     EXPECT_EQ(t->wo, -wi);
     EXPECT_TRUE(has(t->lobe, Lobe::null));
   }
+
+  // A quarter wave of 2: ((4 - 1)/(4 + 1))^2. The hero has the wavelength of the context.
+  const std::string quarter = std::to_string(double(s.context().wavelengths.nm[0]) / 8) + "nm";
+  const auto film = build<Bsdf>(
+      "<bsdf type=\"slab\"><float name=\"int_ior\" value=\"2\"/><float name=\"ext_ior\" "
+      "value=\"1\"/><string name=\"thickness\" value=\"" +
+      quarter + "\"/></bsdf>");
+  for (const Vec3 wi : {Vec3{0, 0, 1}, Vec3{0, 0, -1}}) {
+    const auto r = film->sample(wi, 0, {}, s.context()), t = film->sample(wi, 0.999f, {}, s.context());
+    ASSERT_TRUE(r && t);
+    EXPECT_NEAR(r->value[0], 0.36, 1e-5);
+    EXPECT_NEAR(t->value[0], 0.64, 1e-5);
+    EXPECT_NEAR(film->null_transmittance(wi, s.context())[0], 0.64, 1e-5);
+  }
 }
 
 /// With dispersion each hero refracts by Snell's law with its own index; the others keep no part in that

@@ -49,6 +49,22 @@ TEST(Upgrade, NamesWithCapitalsAreReadWithANote) {
   EXPECT_EQ(Upgraded("<shape type='Heightfield'/>", "3.0.0").node().get("type"), "Heightfield");
 }
 
+TEST(Upgrade, WallsOfSionnaBecomeSlabs) {
+  Upgraded u(
+      "<bsdf type='itu-radio-material' id='w'><string name='type' value='brick'/><float name='thickness' "
+      "value='0.25'/><float name='scattering_coefficient' value='0.3'/><float name='xpd_coefficient' "
+      "value='0.0'/></bsdf>",
+      "2.1.0");
+  EXPECT_EQ(u.node().get("type"), "slab");
+  EXPECT_EQ(u.node().get("id"), "w");
+  EXPECT_EQ(u.node().named_child("int_ior")->get("value"), "itu_brick");
+  EXPECT_EQ(u.node().named_child("thickness")->get("value"), "0.25m");
+  ASSERT_EQ(u.notes().size(), 2u);
+  EXPECT_NE(u.notes()[0].find("\"scattering_coefficient\" is ignored"), std::string::npos) << u.notes()[0];
+  EXPECT_NE(u.notes()[1].find("\"slab\" of itu_brick, 0.25m thick"), std::string::npos) << u.notes()[1];
+  EXPECT_TRUE(Upgraded("<bsdf type='itu-radio-material'/>", "2.1.0").has_errors());
+}
+
 TEST(Upgrade, RenamesWhatTodaysPluginsCallOtherwise) {
   EXPECT_EQ(
       Upgraded("<bsdf type='diffuse'><rgb name='diffuseReflectance' value='1'/></bsdf>").child(0).get("name"),

@@ -24,6 +24,15 @@ struct LoadOptions {
   std::vector<std::pair<std::string, std::string>> defines;  ///< -D name=value
   std::string sampler;     ///< plug-in that replaces the sensor's sampler; sample_count and seed are kept
   std::string integrator;  ///< plug-in that replaces the integrator; parameters that it documents are kept
+  std::string
+      fallback_integrator;  ///< plug-in for a scene that has no integrator; empty: the family's default
+  struct Parameter {
+    std::string tag, name, value;
+  };
+  std::vector<Parameter> integrator_parameters;  ///< replace the integrator's parameters of these names
+  /// Whether BSDFs whose id is that of a building material, such as "mat-itu_concrete", become slabs of it, as in
+  /// sionna-rt (loading/radio_materials.h).
+  bool radio_materials = false;
   std::optional<std::int64_t> sample_count;
   /// Objects made by the program itself, for elements `<given name="..." key="..."/>`. A key must change with
   /// the object's content, because the scene's hash contains only the key.

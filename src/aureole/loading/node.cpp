@@ -50,6 +50,13 @@ Node* Node::named_child(std::string_view name) {
   return nullptr;
 }
 
+Node parameter_node(const Node& near, std::string_view tag, std::string_view name, const std::string& value) {
+  Node node{std::string(tag), {}, {}, near.where, near.file};
+  node.set("name", std::string(name));
+  node.set("value", value);
+  return node;
+}
+
 const std::string& object_family(const Node& node) {
   const FamilyInfo* family = Registry::instance().family_of_element(node.tag, node.find("type") != nullptr);
   return family ? family->name : kNone;

@@ -52,6 +52,9 @@ struct Node {
   Node* named_child(std::string_view name);
 };
 
+/// Returns an element <tag name="..." value="..."/>, located at `near`.
+Node parameter_node(const Node& near, std::string_view tag, std::string_view name, const std::string& value);
+
 /// Returns the plug-in family of an object element ("texture" for <spectrum type="...">), or an empty string
 /// for any other element.
 const std::string& object_family(const Node& node);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "aureole/loading/aliases.h"
+#include "aureole/loading/radio_materials.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
@@ -36,12 +37,9 @@ void override_sampler(Node& sampler, const std::string& type, Diagnostics& diagn
   std::erase_if(sampler.children, [&](const Node& child) { return !family.shares(child.get("name")); });
 }
 
-void set_sample_count(Node& sampler, std::int64_t count) {
-  std::erase_if(sampler.children, [](const Node& child) { return child.get("name") == "sample_count"; });
-  Node number{"integer", {}, {}, sampler.where, sampler.file};
-  number.set("name", "sample_count");
-  number.set("value", std::to_string(count));
-  sampler.children.push_back(std::move(number));
+void set_parameter(Node& object, const std::string& tag, const std::string& name, const std::string& value) {
+  std::erase_if(object.children, [&](const Node& child) { return child.get("name") == name; });
+  object.children.push_back(parameter_node(object, tag, name, value));
 }
 
 void override_integrator(Node& integrator, const std::string& type, Diagnostics& diagnostics) {
@@ -81,9 +79,13 @@ Node* first_sensor(const Ids& ids) {
 void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagnostics) {
   // Ids are looked up again after each insertion, since it may move sibling nodes in memory.
   if (!child_of_family(Ids(root), root, "integrator"))
-    root.children.push_back(synthetic(root, "integrator", options.integrator));
+    root.children.push_back(synthetic(
+        root, "integrator", options.integrator.empty() ? options.fallback_integrator : options.integrator));
   if (!options.integrator.empty())
     override_integrator(*child_of_family(Ids(root), root, "integrator"), options.integrator, diagnostics);
+  for (const LoadOptions::Parameter& p : options.integrator_parameters)
+    set_parameter(*child_of_family(Ids(root), root, "integrator"), p.tag, p.name, p.value);
+  if (options.radio_materials) replace_radio_materials(root, diagnostics);
 
   Node* sensor = first_sensor(Ids(root));
   if (!sensor) return;
@@ -92,7 +94,8 @@ void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagno
   Node* sampler = child_of_family(Ids(root), *sensor, "sampler");
   if (!sampler) return;
   if (!options.sampler.empty()) override_sampler(*sampler, options.sampler, diagnostics);
-  if (options.sample_count) set_sample_count(*sampler, *options.sample_count);
+  if (options.sample_count)
+    set_parameter(*sampler, "integer", "sample_count", std::to_string(*options.sample_count));
   const PluginInfo* chosen = find_plugin("sampler", sampler->get("type"));
   if (options.sampler.empty() && chosen && !chosen->doc.advice.empty())
     diagnostics.note(sampler->where, chosen->doc.advice);

@@ -6,6 +6,7 @@
 
 #include "aureole/core/units.h"
 #include "aureole/loading/aliases.h"
+#include "aureole/loading/radio_materials.h"
 #include "aureole/loading/upgrade_adapters.h"
 #include "aureole/loading/upgrade_diffraction.h"
 #include "aureole/loading/upgrade_old_plugins.h"
@@ -299,6 +300,8 @@ std::string snake_case(std::string_view name) {
 void upgrade(Node& node, Diagnostics& diagnostics) {
   for (Node& child : node.children) upgrade(child, diagnostics);
   lower_type(node, diagnostics);
+  if (node.tag == "bsdf" && node.get("type") == "itu-radio-material")
+    upgrade_radio_material(node, diagnostics);
   // Ids with a leading underscore, which Mitsuba 2 renamed, need no conversion here.
   if (node.file && node.file->version < SceneVersion{2, 0, 0}) {
     upgrade_node(node, diagnostics);

@@ -15,11 +15,6 @@ Node made(const Node& near, std::string_view tag, std::string_view attribute, st
   node.set(std::string(attribute), std::string(value));
   return node;
 }
-Node parameter(const Node& near, std::string_view tag, std::string_view name, const std::string& value) {
-  Node node = made(near, tag, "name", name);
-  node.set("value", value);
-  return node;
-}
 
 /// Removes the child of this name and returns it.
 std::optional<Node> taken(Node& object, std::string_view name) {
@@ -59,13 +54,13 @@ void upgrade_coating(Node& coating, Diagnostics& diagnostics) {
   if (absorption)
     absorption->set("name", "sigma_t");
   else
-    absorption = parameter(coating, "float", "sigma_t", "0");
+    absorption = parameter_node(coating, "float", "sigma_t", "0");
   medium.children.push_back(std::move(*absorption));
-  medium.children.push_back(parameter(coating, "float", "albedo", "0"));
-  medium.children.push_back(parameter(coating, "float", "scale", number_text(thickness / kThicknessM)));
+  medium.children.push_back(parameter_node(coating, "float", "albedo", "0"));
+  medium.children.push_back(parameter_node(coating, "float", "scale", number_text(thickness / kThicknessM)));
   if (coating.get("type") == "roughcoating") {
     Node* alpha = coating.named_child("alpha");
-    if (!alpha) coating.children.push_back(parameter(coating, "string", "alpha", "0.1"));
+    if (!alpha) coating.children.push_back(parameter_node(coating, "string", "alpha", "0.1"));
     if (alpha && alpha->tag == "float") {
       double a = parse_number(alpha->get("value"));
       if (a > 0 && a < 0.05) {
@@ -73,15 +68,15 @@ void upgrade_coating(Node& coating, Diagnostics& diagnostics) {
                                            " is read as smooth: \"layered\" has 0 or 0.05 to 1");
         a = 0;
       }
-      *alpha = parameter(*alpha, "string", "alpha", number_text(a));
+      *alpha = parameter_node(*alpha, "string", "alpha", number_text(a));
     }
   } else {
-    coating.children.push_back(parameter(coating, "string", "alpha", "0"));
+    coating.children.push_back(parameter_node(coating, "string", "alpha", "0"));
   }
   if (!coating.named_child("int_ior"))
-    coating.children.push_back(parameter(coating, "string", "int_ior", "bk7"));
+    coating.children.push_back(parameter_node(coating, "string", "int_ior", "bk7"));
   coating.set("type", "layered");
-  coating.children.push_back(parameter(coating, "string", "thickness", "10um"));
+  coating.children.push_back(parameter_node(coating, "string", "thickness", "10um"));
   coating.children.push_back(std::move(medium));
 }
 
@@ -91,7 +86,7 @@ void upgrade_hair(Node& hair, Diagnostics& diagnostics) {
   hair.set("type", "linearcurve");
   drop(hair, "angle_threshold", diagnostics);
   drop(hair, "reduction", diagnostics);
-  if (!hair.named_child("radius")) hair.children.push_back(parameter(hair, "float", "radius", "0.025"));
+  if (!hair.named_child("radius")) hair.children.push_back(parameter_node(hair, "float", "radius", "0.025"));
 }
 
 /// Converts a beam of no width, whose power is 1 unless stated, to that of a small disc.
@@ -108,7 +103,8 @@ void upgrade_collimated(Node& beam, Diagnostics& diagnostics) {
                    "emitter \"collimated\" is replaced by a disk of radius 0.001 with the emitter "
                    "\"directionalarea\"; ptracer and bdpt find its light");
   Node emitter = made(beam, "emitter", "type", "directionalarea");
-  emitter.children.push_back(parameter(beam, "float", "radiance", number_text(number_in(power, 1) / kArea)));
+  emitter.children.push_back(
+      parameter_node(beam, "float", "radiance", number_text(number_in(power, 1) / kArea)));
   for (const char* name : {"sampling_weight", "medium"})
     if (auto child = taken(beam, name)) emitter.children.push_back(std::move(*child));
   auto to_world = taken(beam, "to_world");
@@ -185,7 +181,7 @@ void upgrade_old_plugin(Node& object, Diagnostics& diagnostics) {
   if (object.tag == "texture" && type == "vertexcolors") {
     note_replaced(object, "mesh_attribute", diagnostics);
     object.set("type", "mesh_attribute");
-    object.children.push_back(parameter(object, "string", "name", "vertex_color"));
+    object.children.push_back(parameter_node(object, "string", "name", "vertex_color"));
   }
   if (object.tag == "medium")
     for (Node& child : object.children)

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/radio_materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "aureole/parameter/radio_index.h"
+
+namespace aureole {
+
+namespace {
+
+constexpr const char* kThickness = "0.1m";  // sionna-rt's default
+
+void make_slab(Node& bsdf, const std::string& material, const std::string& thickness) {
+  bsdf.set("type", "slab");
+  bsdf.children.clear();
+  bsdf.children.push_back(parameter_node(bsdf, "string", "int_ior", material));
+  bsdf.children.push_back(parameter_node(bsdf, "string", "thickness", thickness));
+}
+
+bool is_made_of_radio_material(const Node& node) {
+  return node.get("value").starts_with("itu_") ||
+         std::any_of(node.children.begin(), node.children.end(), is_made_of_radio_material);
+}
+
+/// The materials that replaced BSDFs, and where the first was.
+struct Replaced {
+  std::vector<std::string> materials;
+  std::size_t count = 0;
+  SourceLocation first;
+};
+
+void replace_below(Node& parent, const std::vector<std::string>& known, Replaced& replaced,
+                   Diagnostics& diagnostics) {
+  for (Node& node : parent.children) {
+    const std::string& id = node.get("id");
+    const std::string material = id.starts_with("mat-") ? id.substr(4) : id;
+    if (node.tag != "bsdf" || !material.starts_with("itu_") || is_made_of_radio_material(node)) {
+      replace_below(node, known, replaced, diagnostics);
+      continue;
+    }
+    if (std::find(known.begin(), known.end(), material) == known.end()) {
+      diagnostics.error(node.where, "the id \"" + id + "\" names no building material" +
+                                        did_you_mean_or_all(material, known));
+      continue;
+    }
+    if (replaced.count++ == 0) replaced.first = node.where;
+    if (std::find(replaced.materials.begin(), replaced.materials.end(), material) == replaced.materials.end())
+      replaced.materials.push_back(material);
+    make_slab(node, material, kThickness);
+  }
+}
+
+}  // namespace
+
+void upgrade_radio_material(Node& bsdf, Diagnostics& diagnostics) {
+  const Node* type = bsdf.named_child("type");
+  if (!type) {
+    diagnostics.error(bsdf.where, "an \"itu-radio-material\" needs a \"type\", such as concrete");
+    return;
+  }
+  const Node* thickness = bsdf.named_child("thickness");
+  for (const Node& child : bsdf.children) {
+    const std::string& name = child.get("name");
+    if (name == "type" || name == "thickness" || name == "color") continue;
+    const std::string& value = child.get("value");
+    const bool is_zero =
+        child.tag == "float" && !value.empty() && value.find_first_not_of("0.") == value.npos;
+    if (!is_zero)
+      diagnostics.note(child.where,
+                       "\"" + name + "\" is ignored: walls reflect as mirrors and scatter nothing");
+  }
+  const std::string material = "itu_" + type->get("value"),
+                    metres = thickness ? thickness->get("value") + "m" : kThickness;
+  diagnostics.note(bsdf.where, "bsdf \"itu-radio-material\" is replaced by \"slab\" of " + material + ", " +
+                                   metres + " thick");
+  make_slab(bsdf, material, metres);
+}
+
+void replace_radio_materials(Node& root, Diagnostics& diagnostics) {
+  Replaced replaced;
+  replace_below(root, radio_material_names(), replaced, diagnostics);
+  if (replaced.count == 0) return;
+  std::string all;
+  for (const std::string& material : replaced.materials) all += (all.empty() ? "" : ", ") + material;
+  diagnostics.note(
+      replaced.first,
+      fmt::format("{} {} named after building materials ({}) {} replaced by slabs of these, {} thick",
+                  replaced.count, replaced.count == 1 ? "BSDF" : "BSDFs", all,
+                  replaced.count == 1 ? "is" : "are", kThickness));
+}
+
+}  // namespace aureole
