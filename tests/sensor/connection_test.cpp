@@ -39,6 +39,12 @@ std::vector<Case> cases() {
        "<sensor type='perspective'>" + kLook + kFilm +
            "</film><float name='near_clip' value='4.2'/><float name='far_clip' value='4.6'/></sensor>",
        kCenter, kU, kV * 3.f},
+      {"spherical", "<sensor type='spherical'>" + kLook + kFilm + "</film></sensor>", kCenter, kU * 3.f,
+       kV * 3.f},
+      {"spherical_crop",
+       "<sensor type='spherical'>" + kLook + kFilm +
+           R"(<integer name="crop_offset_y" value="10"/><integer name="crop_height" value="10"/></film></sensor>)",
+       kCenter, kU, kV * 3.f},
       {"thinlens_near",
        "<sensor type='thinlens'>" + lens + "<float name='focus_distance' value='2'/>" + kLook + kFilm +
            "</film></sensor>",

@@ -9,6 +9,7 @@
 #include "aureole/emitter/directions/emitter_placement.h"
 #include "aureole/emitter/directions/lat_long_distribution.h"
 #include "aureole/emitter/light.h"
+#include "aureole/math/lat_long.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
@@ -32,7 +33,7 @@ public:
   bool is_infinite() const override { return true; }
 
   Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override {
-    return eval_uv(to_uv(frame_.to_local(d)), w);
+    return eval_uv(lat_long_uv(frame_.to_local(d)), w);
   }
 
   std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2 u,
@@ -78,16 +79,15 @@ private:
   float pdf(const LatLongDistribution& distribution, const Vec3& facing, const Vec3& d) const {
     const Vec3 v = frame_.to_local(d);
     const float sine = std::sqrt(v.x * v.x + v.z * v.z);
-    return sine > 0 ? distribution.pdf(facing, to_uv(v)) / (2 * kPi * kPi * sine) : 0;
+    return sine > 0 ? distribution.pdf(facing, lat_long_uv(v)) / (2 * kPi * kPi * sine) : 0;
   }
   std::optional<DirectSample> sample(const LatLongDistribution& distribution, const Vec3& facing, Vec2 u,
                                      const Wavelengths& w) const {
     float pdf;
     const Vec2 uv = distribution.sample(facing, u, &pdf);
-    const Vec2 phi = cos_sin_2pi(uv.x), theta = cos_sin_2pi(0.5f * uv.y);
-    const float sine = theta.y;
+    const float sine = cos_sin_2pi(0.5f * uv.y).y;
     if (!(pdf > 0) || !(sine > 0)) return {};
-    const Vec3 wo = frame_.to_world({phi.y * sine, theta.x, -phi.x * sine});
+    const Vec3 wo = frame_.to_world(lat_long_direction(uv));
     // Happens in blocks of the map that the receiver's horizon crosses.
     if (dot(wo, facing) < 0) return {};
     DirectSample s;
@@ -189,11 +189,6 @@ private:
       }
     distribution_ = LatLongDistribution(mis_compensation_ ? compensated : weights, columns, rows, frame_);
     if (mis_compensation_) everything_ = LatLongDistribution(weights, columns, rows, frame_);
-  }
-
-  static Vec2 to_uv(const Vec3& v) {
-    const float u = std::atan2(v.x, -v.z) * (0.5f * kInvPi);
-    return {u < 0 ? u + 1 : u, std::acos(std::clamp(v.y, -1.f, 1.f)) * kInvPi};
   }
 
   Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {

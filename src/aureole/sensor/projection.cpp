@@ -16,14 +16,19 @@ ClipPlanes::ClipPlanes(const Properties& p) {
   if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
 }
 
-LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p), field_of_view_(p) {
-  read_common(p);
-  to_world_ = p.get_transform("to_world");
+Transform rigid_transform(const Properties& p) {
+  Transform to_world = p.get_transform("to_world");
   for (int c = 0; c < 3; ++c) {
-    const auto& m = to_world_.matrix();
+    const auto& m = to_world.matrix();
     const double l = std::hypot(m[0][c], m[1][c], m[2][c]);
     if (std::abs(l - 1) > 1e-3) throw p.error("to_world", "a camera's transform must not scale");
   }
+  return to_world;
+}
+
+LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p), field_of_view_(p) {
+  read_common(p);
+  to_world_ = rigid_transform(p);
   to_camera_ = to_world_.inverse();
   origin_ = to_world_.point({0, 0, 0});
   for (int i = 0; i < 3; ++i) axes_[i] = to_world_.vector({float(i == 0), float(i == 1), float(i == 2)});

@@ -17,6 +17,9 @@ struct ClipPlanes {
   explicit ClipPlanes(const Properties& properties);
 };
 
+/// Returns the parameter `to_world` of a camera. Throws Error if it scales.
+Transform rigid_transform(const Properties& properties);
+
 /// A camera with a circular aperture around the origin of camera space. Its optical axis is local +z; local
 /// +x points left and +y up in the picture, as in Mitsuba.
 class LensCamera : public Sensor {
