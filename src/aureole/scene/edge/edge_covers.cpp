@@ -110,7 +110,11 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
   if (edges.empty()) return;
   faces_ = std::move(faces.faces), tree_ = std::move(faces.tree);
   const std::vector<std::uint32_t>& sets_of = faces.set_of;
-  const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found) {
+  constexpr std::size_t kTogether = 4096;
+  // Beams as wide as the scene reach all faces from each edge: after so many that were looked at for the edges of
+  // one part, the others are found when they are asked for.
+  constexpr std::size_t kMostVisited = kTogether * kMostListed;
+  const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found, std::size_t& visited) {
     const MeshEdge& edge = edges[number];
     const Vec3 way = edge.b - edge.a;
     const float size = length(way);
@@ -118,6 +122,7 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
     const bool is_in_cluster = !clusters.of(number).empty();
     found.clear();
     if (!tree_.visit_while(beam, [&](std::uint32_t i) {
+          if (++visited > kMostVisited) return false;
           if (!(is_in_cluster && sets_of[i] == edge.face0.set) && may_cover(faces_[i], edge) &&
               is_in_beam(faces_[i], beam))
             found.push_back(i);
@@ -125,7 +130,6 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
         }))
       found = {kMany};
   };
-  constexpr std::size_t kTogether = 4096;
   struct Part {
     std::vector<std::uint32_t> listed, counts;
   };
@@ -134,12 +138,14 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
       parts.size(),
       [&](std::size_t first, std::size_t last) {
         std::vector<std::uint32_t> found;
-        for (std::size_t i = first; i < last; ++i)
+        for (std::size_t i = first; i < last; ++i) {
+          std::size_t visited = 0;
           for (std::size_t j = i * kTogether; j < std::min((i + 1) * kTogether, edges.size()); ++j) {
-            faces_about(j, found);
+            faces_about(j, found, visited);
             parts[i].listed.insert(parts[i].listed.end(), found.begin(), found.end());
             parts[i].counts.push_back(std::uint32_t(found.size()));
           }
+        }
       },
       1);
   begins_.reserve(edges.size() + 1);
