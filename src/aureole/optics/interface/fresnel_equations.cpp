@@ -82,7 +82,8 @@ double thin_slab_reflectance(double cos_i, double n_ext, double n_int) {
 
 SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickness) {
   if (!(thickness > 0 && std::isfinite(thickness)))
-    throw std::domain_error("thickness of a slab must be positive and finite, got " + std::to_string(thickness));
+    throw std::domain_error("thickness of a slab must be positive and finite, got " +
+                            std::to_string(thickness));
   const FresnelAmplitudes face = fresnel_amplitudes(cos_i, n_ext, n_slab);
   // The phase of one way through the slab; its imaginary part is the loss.
   const Complex way = std::exp(Complex(0, 2 * kPi * thickness) * (n_slab * face.cos_t));
