@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Absorption in the quantities of several sciences (IUPAC's terms), and phase functions in closed form."""
+"""Absorption in the quantities of several sciences (IUPAC's terms), phase functions, and scattering of air, water and dipoles in closed form."""
 from __future__ import annotations
 
 from typing import Any
@@ -201,3 +201,64 @@ def hard_sphere_structure_factor(u: npt.ArrayLike, fraction: npt.ArrayLike) -> A
     """
     return _mapped(_aureole.hard_sphere_structure_factor, u=real("u", u, minimum=0),
                    fraction=real("fraction", fraction, minimum=0, maximum=0.6))
+
+
+def air_refractivity(nm: npt.ArrayLike) -> Any:
+    """n - 1 of dry air at 15 C and 1013.25 hPa, for wavelengths from 185 to 1700 nm (Peck & Reeder, J. Opt. Soc. Am. 62 (1972) 958)."""
+    return _mapped(_aureole.air_refractivity, nm=real("nm", nm, minimum=185, maximum=1700, unit="nm"))
+
+
+def air_cross_section(nm: npt.ArrayLike) -> Any:
+    """Scattering cross section of a molecule of dry air [m^2] (Bodhaine et al., J. Atmos. Oceanic Technol. 16 (1999) 1854).
+
+    The phase function is `rayleigh_phase` with `air_depolarization`; a cubic metre at 15 C and 1013.25 hPa has 2.546899e25.
+
+    Parameters
+    ----------
+    nm : array_like
+        Wavelength, from 185 to 1700 nm.
+    """
+    return _mapped(_aureole.air_cross_section, nm=real("nm", nm, minimum=185, maximum=1700, unit="nm"))
+
+
+def air_depolarization(nm: npt.ArrayLike) -> Any:
+    """Depolarisation factor of dry air at a right angle, for wavelengths from 185 to 1700 nm (Bates, Planet. Space Sci. 32 (1984) 785)."""
+    return _mapped(_aureole.air_depolarization, nm=real("nm", nm, minimum=185, maximum=1700, unit="nm"))
+
+
+def water_scattering(nm: npt.ArrayLike) -> Any:
+    """Scattering coefficient of pure water by density fluctuations [1/m] (Morel 1974); measured from 350 to 700 nm.
+
+    The phase function is `rayleigh_phase` with a depolarisation factor of 0.09.
+
+    Examples
+    --------
+    >>> from aureole import optics
+    >>> float(optics.water_scattering(550).round(5))
+    0.00149
+    """
+    return _mapped(_aureole.water_scattering, nm=real("nm", nm, positive=True, unit="nm"))
+
+
+def dipole_reflectance(reduced_albedo: npt.ArrayLike, index: npt.ArrayLike = 1.0) -> Any:
+    """Diffuse reflectance of a half-space by the dipole of diffusion theory.
+
+    Parameters
+    ----------
+    reduced_albedo : array_like
+        sigma_s'/(sigma_a + sigma_s') with sigma_s' = sigma_s (1 - g), in [0, 1].
+    index : array_like
+        Index of the half-space over that outside, in [0.1, 10].
+
+    References
+    ----------
+    Jensen, Marschner, Levoy & Hanrahan, A Practical Model for Subsurface Light Transport, 2001, section 4.2.
+    """
+    return _mapped(_aureole.dipole_reflectance, reduced_albedo=real("reduced_albedo", reduced_albedo, minimum=0, maximum=1),
+                   index=real("index", index, minimum=0.1, maximum=10))
+
+
+def dipole_albedo(reflectance: npt.ArrayLike, index: npt.ArrayLike = 1.0) -> Any:
+    """Reduced albedo at which `dipole_reflectance` is `reflectance`, in [0, 1]: its inverse."""
+    return _mapped(_aureole.dipole_albedo, reflectance=real("reflectance", reflectance, minimum=0, maximum=1),
+                   index=real("index", index, minimum=0.1, maximum=10))

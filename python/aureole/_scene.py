@@ -311,7 +311,8 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     """Loads a scene, or a single object, from nested dicts as Mitsuba has them.
 
     Each dict has a "type", the name of a plug-in (or "scene", "ref", "rgb", "spectrum"). Other entries are parameters:
-    numbers, strings, booleans, three numbers (vectors; colours where a spectrum is expected), `Transform` or matrices of
+    numbers, strings, booleans, three numbers (vectors; colours where a spectrum is expected), spectra ({"type": "spectrum",
+    "value": [(400, 0.2), (700, 0.5)]} in nm, another "unit" beside it, or the text of a scene file), `Transform` or matrices of
     4 x 4, nested dicts, BSDFs written in Python (objects with eval, pdf and sample), and arrays, for the pixels of a
     texture ("bitmap" with "data") or the vertices of a mesh ("mesh" with "vertices" and "faces").
 

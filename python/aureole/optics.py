@@ -29,10 +29,12 @@ from ._edge_waves import (AmplitudeMoments, EdgeConstants, EdgeWaves, amplitude_
                           gaussian_beam_power, interfering_power, mean_edge_sigma, triangle_power, triangle_transform,
                           zeroth_order_power)
 from ._errors import Error
-from ._media import (absorptance, absorption_of_decadic, absorption_of_index, absorption_of_mass, absorption_of_molar,
-                     absorption_of_napierian, absorption_of_number, cross_section_of_molar, decadic_absorbance,
-                     hard_sphere_structure_factor, henyey_greenstein, index_of_absorption, napierian_absorbance, rayleigh_phase,
-                     transmittance, transmittance_of_decadic, transmittance_of_napierian)
+from ._media import (absorptance, absorption_of_decadic, absorption_of_index, absorption_of_mass,
+                     absorption_of_molar, absorption_of_napierian, absorption_of_number, air_cross_section,
+                     air_depolarization, air_refractivity, cross_section_of_molar, decadic_absorbance, dipole_albedo,
+                     dipole_reflectance, hard_sphere_structure_factor, henyey_greenstein, index_of_absorption,
+                     napierian_absorbance, rayleigh_phase, transmittance, transmittance_of_decadic,
+                     transmittance_of_napierian, water_scattering)
 from ._sizes import SizeDistribution, size_distribution
 from ._stack import PlaneStack, StackFields, StackFluxes, StackLayer
 from ._vectorised import broadcast, limit_results, shaped
@@ -41,8 +43,9 @@ __all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "F
            "PairCorrelation", "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution",
            "SlabPowers", "StackFields", "StackFluxes", "StackLayer", "StructureFactor", "absorptance",
            "absorption_of_decadic", "absorption_of_index", "absorption_of_mass", "absorption_of_molar",
-           "absorption_of_napierian", "absorption_of_number", "amplitude_moments", "annulus", "circle",
-           "cross_section_of_molar", "decadic_absorbance", "diffracted_intensity", "drawn_edge_kernels",
+           "absorption_of_napierian", "absorption_of_number", "air_cross_section", "air_depolarization",
+           "air_refractivity", "amplitude_moments", "annulus", "circle", "cross_section_of_molar",
+           "decadic_absorbance", "diffracted_intensity", "dipole_albedo", "dipole_reflectance", "drawn_edge_kernels",
            "edge_alpha1", "edge_alpha2", "edge_constants", "ellipse", "faddeeva", "fraunhofer", "fresnel",
            "fresnel_diffuse_reflectance", "fresnel_integral", "gaussian_beam_power", "hard_disc_pair_correlation",
            "hard_discs", "hard_sphere_structure_factor", "henyey_greenstein", "index_of_absorption",
@@ -54,7 +57,8 @@ __all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "F
            "slab_powers", "star", "straight_edge_corrections", "straight_edge_kernels", "straight_edge_power",
            "straight_edge_power_correction", "straight_edge_weights", "structure_factor", "thin_slab_reflectance",
            "transition_function", "transmittance", "transmittance_of_decadic", "transmittance_of_napierian",
-           "triangle_power", "triangle_transform", "utd_coefficient", "utd_field", "zeroth_order_power"]
+           "triangle_power", "triangle_transform", "utd_coefficient", "utd_field", "water_scattering",
+           "zeroth_order_power"]
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Absorption in all its quantities, and phase functions in closed form. aureole/_media.py checks the arguments and
+// Absorption in all its quantities, phase functions, and scattering of air, water and dipoles in closed form. aureole/_media.py checks the arguments and
 // shapes the results.
 #include "aureole/optics/medium/absorption.h"
+#include "aureole/optics/medium/diffusion_dipole.h"
 #include "aureole/optics/particle/hard_spheres.h"
 #include "aureole/optics/particle/henyey_greenstein.h"
 #include "aureole/optics/particle/rayleigh_scattering.h"
@@ -48,6 +49,12 @@ void bind_absorption(nb::module_& m) {
   define(m, "absorption_of_number", &optics::absorption_of_number, "cross_section", "number_density");
   define(m, "henyey_greenstein", &optics::henyey_greenstein, "mu", "g");
   define(m, "rayleigh_phase", &optics::rayleigh_phase, "mu", "depolarization");
+  define(m, "air_refractivity", &optics::air_refractivity, "nm");
+  define(m, "air_cross_section", &optics::air_cross_section, "nm");
+  define(m, "air_depolarization", &optics::air_depolarization, "nm");
+  define(m, "water_scattering", &optics::water_scattering, "nm");
+  define(m, "dipole_reflectance", &optics::dipole_reflectance, "reduced_albedo", "index");
+  define(m, "dipole_albedo", &optics::dipole_albedo, "reflectance", "index");
   define(m, "hard_sphere_structure_factor", &optics::hard_sphere_structure_factor, "u", "fraction");
 }
 

@@ -269,7 +269,25 @@ class TestAbsorption:
         f = np.array([0.0, 0.1, 0.6])
         np.testing.assert_allclose(optics.hard_sphere_structure_factor(0, f), (1 - f) ** 4 / (1 + 2 * f) ** 2, rtol=1e-12)
 
+    def test_air_and_water(self):
+        # The fit that Bodhaine et al. 1999 give for their own calculation, equation 29.
+        um = np.array([0.3, 0.4, 0.55, 0.7, 0.85])
+        fit = 1e-32 * (1.0455996 - 341.29061 / um**2 - 0.90230850 * um**2) / (1 + 0.0027059889 / um**2 - 85.968563 * um**2)
+        np.testing.assert_allclose(optics.air_cross_section(1000 * um), fit, rtol=1e-3)
+        assert optics.air_refractivity(589.3) == pytest.approx(2.77e-4, rel=3e-3)
+        assert 0.027 < optics.air_depolarization(550) < 0.031
+        np.testing.assert_allclose(optics.water_scattering([450, 500, 550]), [34.9e-4, 22.2e-4, 14.9e-4], rtol=0.02)
+
+    def test_dipoles(self):
+        albedo, index = np.linspace(0, 1, 11), np.array([[1.0], [1.33]])
+        inside = optics.fresnel_diffuse_reflectance(1 / index)
+        a, s = (1 + inside) / (1 - inside), np.sqrt(3 * (1 - albedo))
+        reflectance = optics.dipole_reflectance(albedo, index)
+        np.testing.assert_allclose(reflectance, albedo / 2 * (1 + np.exp(-4 / 3 * a * s)) * np.exp(-s), rtol=1e-6)
+        np.testing.assert_allclose(optics.dipole_albedo(reflectance, index), np.broadcast_to(albedo, (2, 11)), atol=1e-6)
+
     @pytest.mark.parametrize("call, name", [
+        (lambda: optics.air_cross_section(100), "nm"), (lambda: optics.dipole_reflectance(1.1), "reduced_albedo"),
         (lambda: optics.transmittance(-1, 1), "absorption"), (lambda: optics.transmittance(1, -1), "distance"),
         (lambda: optics.decadic_absorbance(0), "transmittance"), (lambda: optics.napierian_absorbance(1.5), "transmittance"),
         (lambda: optics.absorption_of_decadic(1, 0), "distance"), (lambda: optics.absorption_of_index(1, 0), "nm"),
