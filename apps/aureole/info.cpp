@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole info: lists the content of a scene.
+// aureole info: lists the content of a scene, a picture or a state file.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
+#include <string>
 #include <vector>
 
+#include "aureole/core/error.h"
+#include "aureole/core/image.h"
+#include "aureole/core/input_file.h"
 #include "aureole/loading/load.h"
 #include "aureole/plugin/table_holder.h"
 #include "aureole/render/state.h"
 #include "command.h"
 #include "messages.h"
 #include "nested_objects.h"
+#include "picture_info.h"
 
 namespace aureole {
 namespace {
@@ -36,7 +43,19 @@ void print_tables(const Scene& scene) {
                1e-6 * double(tables.bytes));
 }
 
-int info(const std::string& file, const std::vector<std::string>& defines) {
+/// Whether a file begins as XML does.
+bool is_xml(const std::filesystem::path& file) {
+  if (file.extension() == ".xml") return true;
+  InputFile input(file);
+  std::string start(std::min<std::uint64_t>(input.size(), 4096), '\0');
+  input.read(start.data(), start.size());
+  // Before the first character there may be blanks, a byte order mark and the zeros of UTF-16.
+  const auto first =
+      std::find_if(start.begin(), start.end(), [](unsigned char c) { return c > ' ' && c < 128; });
+  return first != start.end() && *first == '<';
+}
+
+int info_of_scene(const std::string& file, const std::vector<std::string>& defines) {
   LoadOptions load;
   load.defines = split_defines(defines);
   const LoadedScene loaded = load_scene(file, load);
@@ -82,15 +101,30 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   return 0;
 }
 
+int info(const std::string& file, const std::vector<std::string>& defines) {
+  if (is_xml(file)) return info_of_scene(file, defines);
+  if (!defines.empty()) throw Error("-D sets names of scenes: " + file + " is not a scene file");
+  if (std::filesystem::path(file).extension() == ".state")
+    print_state(file);
+  else if (is_image_file(file))
+    print_picture(file);
+  else
+    throw Error(
+        {file, 0, 0},
+        "is neither a scene file (XML) nor a picture (EXR, PNG, JPEG, TIFF, PFM, HDR, TGA, BMP) nor a .state "
+        "file");
+  return 0;
+}
+
 std::function<int()> declare(CommandOptions& options) {
   auto file = std::make_shared<std::string>();
   auto defines = std::make_shared<std::vector<std::string>>();
-  options.add("scene", *file, "scene file").required();
+  options.add("file", *file, "scene, picture or .state file").required();
   options.add("-D,--define", *defines, "set a $name of the scene").takes_each_time(1);
   return [=] { return info(*file, *defines); };
 }
 
-AUREOLE_COMMAND("info", "List the content of a scene", declare);
+AUREOLE_COMMAND("info", "List the content of a scene, a picture or a state file", declare);
 
 }  // namespace
 }  // namespace aureole

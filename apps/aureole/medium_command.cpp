@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole medium: absorption and scattering of a medium of a scene, by wavelength, and its colour.
+// aureole medium: absorption, scattering and absorbances of a medium of a scene, by wavelength, and its colour.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -109,7 +109,9 @@ nlohmann::json as_json(const MediumFigures& f, double length) {
                         {"sigma_t", f.extinction()},
                         {"albedo", f.albedo()},
                         {"g", f.asymmetry},
-                        {"transmittance", f.transmittance(length)}};
+                        {"transmittance", f.transmittance(length)},
+                        {"absorbance", f.absorbance(length)},
+                        {"optical_density", f.optical_density(length)}};
   if (f.extinction() > 0) row["mean_free_path"] = f.mean_free_path();
   return row;
 }
@@ -138,12 +140,16 @@ int medium(const MediumOptions& o) {
 
   fmt::print("{} ({}){}\n\n", o.target, found->properties().type(),
              found->is_uniform() ? "" : fmt::format(", at ({:g}, {:g}, {:g})", o.at[0], o.at[1], o.at[2]));
-  fmt::print("{:>7} {:>12} {:>12} {:>12} {:>9} {:>8} {:>11} {:>11}\n", "nm", "sigma_a, 1/m", "sigma_s, 1/m",
-             "sigma_t, 1/m", "albedo", "g", "free path", "T of " + o.length);
+  fmt::print("{:>7} {:>12} {:>12} {:>12} {:>9} {:>8} {:>11} {:>11} {:>9} {:>9}\n", "nm", "sigma_a, 1/m",
+             "sigma_s, 1/m", "sigma_t, 1/m", "albedo", "g", "free path", "T of " + o.length, "A abs.",
+             "A ext.");
   for (const MediumFigures& f : rows)
-    fmt::print("{:7.1f} {:12.5g} {:12.5g} {:12.5g} {:9.6f} {:8.5f} {:>11} {:11.6f}\n", f.nm, f.absorption,
-               f.scattering, f.extinction(), f.albedo(), f.asymmetry, length_text(f.mean_free_path()),
-               f.transmittance(length));
+    fmt::print("{:7.1f} {:12.5g} {:12.5g} {:12.5g} {:9.6f} {:8.5f} {:>11} {:11.6f} {:9.4g} {:9.4g}\n", f.nm,
+               f.absorption, f.scattering, f.extinction(), f.albedo(), f.asymmetry,
+               length_text(f.mean_free_path()), f.transmittance(length), f.absorbance(length),
+               f.optical_density(length));
+  fmt::print("\nA: absorbance lg(1/T) of {}, by absorption alone and by extinction (optical density)\n",
+             o.length);
   const auto passed = colour_behind(*found, length, false, point, d);
   const auto kept = colour_behind(*found, length, true, point, d);
   fmt::print("\nCIE 1931 observer, D65 behind {}\n", o.length);
@@ -165,7 +171,8 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("target", o->target, "scene.xml#id: id of a medium; without one, the only medium").required();
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   options.add("--step", o->step, "largest step between wavelengths in nm (default 25)").between(0.01, 1e9);
-  options.add("--length", o->length, "path length through the medium").shows_default();
+  options.add("--length", o->length, "path length of the transmittance, absorbances and colours")
+      .shows_default();
   options.add("--at", o->at, "x,y,z of the point, for spatially varying media (default 0,0,0)")
       .separated_by(',')
       .takes(3);

@@ -11,4 +11,8 @@ Image read_picture(const std::string& file, ExrAttributes* attributes) {
   return image;
 }
 
+std::filesystem::path default_output(const std::filesystem::path& scene, const std::string& extension) {
+  return scene.filename().replace_extension(extension);
+}
+
 }  // namespace aureole

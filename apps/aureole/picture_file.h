@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that are arguments of subcommands.
+// Pictures that subcommands read and write.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "aureole/core/image.h"
@@ -10,5 +11,8 @@ namespace aureole {
 
 /// Reads a picture and prints how its file was understood, where that is not obvious.
 Image read_picture(const std::string& file, ExrAttributes* attributes = nullptr);
+
+/// Returns the default name of a scene's output: the scene's own name with another extension, in the working folder.
+std::filesystem::path default_output(const std::filesystem::path& scene, const std::string& extension);
 
 }  // namespace aureole

@@ -16,6 +16,7 @@
 #include "aureole/render/output.h"
 #include "command.h"
 #include "messages.h"
+#include "picture_file.h"
 
 namespace aureole {
 namespace {
@@ -70,6 +71,18 @@ Image as_image(const std::vector<PowerMap>& maps) {
     if (has_errors) add_channel(image, channel++, map.error_db());
   }
   return image;
+}
+
+/// The quantity of each channel of `as_image`, with its unit, for the header of the picture.
+std::vector<std::string> meanings_of(const std::vector<std::string>& channels) {
+  std::vector<std::string> meanings;
+  for (const std::string& name : channels)
+    meanings.emplace_back(name.ends_with("density")        ? "power density, W/m^2"
+                          : name.ends_with("free_space")   ? "power density without any shape, W/m^2"
+                          : name.ends_with("relative_dB")  ? "density over free_space, dB"
+                          : name.ends_with("received_dBm") ? "power that an isotropic antenna receives, dBm"
+                                                           : "standard error of relative_dB, dB");
+  return meanings;
 }
 
 /// Prints one line about a map: medians over the cells that receive power, and their noise.
@@ -211,7 +224,7 @@ int powermap(const Arguments& a) {
     throw Error("--power: " + e.message());
   }
   std::filesystem::path output = a.output;
-  if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
+  if (output.empty()) output = default_output(a.scene, ".exr");
   if (output.extension() != ".exr")
     throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
   const std::filesystem::path png = std::filesystem::path(output).replace_extension(".png");
@@ -242,13 +255,16 @@ int powermap(const Arguments& a) {
   attributes.strings = {{"aureole.scene", loaded.file.filename().string()},
                         {"aureole.integrator", loaded.integrator->properties().type()},
                         {"units", "density, free_space: W/m^2; received_dBm: isotropic antenna"}};
+  const Image picture = as_image(maps);
+  attributes.strings[kChannelsAttribute] =
+      channels_attribute(picture.channels, meanings_of(picture.channels));
   for (const PowerMap& map : maps) {
     const std::string prefix = maps.size() > 1 ? map.channel + "." : "";
     attributes.floats[prefix + "power_W"] = float(map.power_w);
     attributes.floats[prefix + "wavelength_m"] = float(map.wavelength_m);
   }
   const WrittenFile written = write_somewhere(output, [&](const std::filesystem::path& file) {
-    write_exr(file, as_image(maps), ExrPixel::float32, attributes);
+    write_exr(file, picture, ExrPixel::float32, attributes);
   });
   if (!written.problem.empty()) {
     tell("error: {}\nerror: the map is in {} instead\n", written.problem, written.file.string());
@@ -275,7 +291,7 @@ std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
   options.add("scene", a->scene, "scene file whose sensor is a powermap, or any with --plane").required();
   options.add("-o,--output", a->output,
-              "output .exr (default: beside the scene), with a .png of the same name");
+              "output .exr (default: the scene's name, in the working folder), with a .png of the same name");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");

@@ -19,6 +19,7 @@
 #include "aureole/render/sample_density.h"
 #include "command.h"
 #include "messages.h"
+#include "picture_file.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -371,7 +372,7 @@ int render(const Arguments& a) {
     return load_scene(a.scene, load);
   }();
   if (output.empty()) {
-    output = std::filesystem::path(a.scene).replace_extension(loaded.scene->film().file_extension());
+    output = default_output(a.scene, loaded.scene->film().file_extension());
     require_output(a, output, lock);
   }
   options.state_file = std::filesystem::path(output).replace_extension(".state");
@@ -396,7 +397,8 @@ int render(const Arguments& a) {
 std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
   options.add("scene", a->scene, "scene file (Mitsuba XML)").required();
-  options.add("-o,--output", a->output, "output .exr, .hdr or .pfm (default: beside the scene)");
+  options.add("-o,--output", a->output,
+              "output .exr, .hdr or .pfm (default: the scene's name, in the working folder)");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");

@@ -15,6 +15,7 @@ import numpy as np
 from . import _aureole
 from ._arrays import real, scalar, shown
 from ._errors import Error, Problem, SceneError
+from ._wording import in_python
 
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 #: Entries that state the kind of a dict instead of being a parameter.
@@ -230,9 +231,18 @@ class Writer:
         self.line(place, f"</{family}>")
 
     def spectrum(self, kind: str, label: str, value: Mapping[str, Any], place: str) -> None:
-        extra = [k for k in value if k not in ("type", "value", "id")]
+        known = ("type", "value", "id") + (("unit",) if kind == "spectrum" else ())
+        extra = [k for k in value if k not in known]
         if extra:
             self.problem(place, f'a dict of type "{kind}" has no entry "{extra[0]}"')
+            return
+        if "unit" in value:
+            if not isinstance(value["unit"], str):
+                self.problem(f"{place}.unit", f"expected a string, got {type(value['unit']).__name__}")
+                return
+            label += f" unit={_attribute(value['unit'])}"
+        if kind == "spectrum" and isinstance(value["value"], str):
+            self.line(place, f"<spectrum{label} value={_attribute(value['value'])}/>")
             return
         try:
             numbers = np.asarray(value["value"], dtype=np.float64)
@@ -431,16 +441,27 @@ def value_text(value: Any, path: str, expected: Optional[str]) -> SceneText:
     return writer.finish()
 
 
-def relocated(error: SceneError, file: str, places: List[str]) -> SceneError:
-    """The error with entries of the dict in place of lines of the text."""
-    def move(p: Problem) -> Problem:
-        if p.file != file or not 1 <= p.line <= len(places):
-            return p
-        return Problem(p.message, places[p.line - 1])
+def relocated_error(error: Error, file: str, places: List[str]) -> Error:
+    """The error with entries of the dict in place of lines and elements of the text."""
+    if not isinstance(error, SceneError):
+        return Error(relocated_note(str(error), file, places)) if type(error) is Error else error
     moved: List[Problem] = []
     for p in error.problems:
-        if move(p) not in moved:
-            moved.append(move(p))
+        here = _moved(p, file, places)
+        if here not in moved:
+            moved.append(here)
+    return SceneError(moved)
+
+
+def relocated_note(note: str, file: str, places: List[str]) -> str:
+    """A note with entries of the dict in place of lines and elements of the text."""
+    return str(_moved(Problem.parse(note), file, places))
+
+
+def _moved(p: Problem, file: str, places: List[str]) -> Problem:
     pattern = re.compile(re.escape(file) + r":(\d+):(\d+)")
     name: Callable[[Any], str] = lambda m: places[int(m[1]) - 1] if 1 <= int(m[1]) <= len(places) else m[0]
-    return SceneError([Problem(pattern.sub(name, p.message), p.file, p.line, p.column) for p in moved])
+    message = in_python(pattern.sub(name, p.message))
+    if p.file != file or not 1 <= p.line <= len(places):
+        return Problem(message, p.file, p.line, p.column)
+    return Problem(message, places[p.line - 1])

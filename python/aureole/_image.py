@@ -104,6 +104,11 @@ class Image:
         return self._all[..., self._own:] if self._own < len(self._names) else None
 
     @property
+    def notes(self) -> List[str]:
+        """How the file was understood where that is not obvious: primaries that were converted, pages that were left out, ..."""
+        return list(self._picture.notes)
+
+    @property
     def wavelengths(self) -> Optional[npt.NDArray[np.float64]]:
         """Central wavelengths [nm] of the spectral bins of a film that has them, else None."""
         found = [_bin_wavelength(name) for name in self.channels]

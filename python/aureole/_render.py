@@ -69,8 +69,11 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"progress: expected True, False or a function, got {type(progress).__name__}")
     with _Bar(progress) as report:
-        picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit, adaptive,
-                                           start._picture if start is not None else None, report)
+        try:
+            picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit, adaptive,
+                                               start._picture if start is not None else None, report)
+        except Error as e:
+            raise scene._in_words(e) from None
     image = Image._of(picture, outcome)
     if outcome == "interrupted":
         part = 100 * float(image.info["part"])

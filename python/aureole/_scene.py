@@ -9,9 +9,10 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _aureole
-from ._dict import SceneText, Transform, object_text, other_families, plugins, relocated, scene_text, value_text
+from ._dict import SceneText, Transform, object_text, other_families, plugins, relocated_error, relocated_note, scene_text, value_text
 from ._arrays import file_path, real, shown, text as checked_text
 from ._errors import Error, Problem, SceneError
+from ._wording import in_python
 
 _DICT_FILE = "<dict>"
 _TEXT_FILE = "<string>"
@@ -39,10 +40,11 @@ class Scene:
     >>> scene.update({"lamp.emitter.radiance": 2.0, "sensor.fov": 30})  # several changes, one rebuild; doctest: +SKIP
     """
 
-    def __init__(self, opened: _aureole.OpenScene) -> None:
+    def __init__(self, opened: _aureole.OpenScene, places: "Optional[List[str]]" = None) -> None:
         if not isinstance(opened, _aureole.OpenScene):
             raise TypeError(f"opened: scenes are made by load_file, load_string and load_dict, not of {type(opened).__name__}")
         self._open = opened
+        self._places = places  # of a scene made of dicts: the entry that each line of its text came from
 
     def __reduce__(self) -> Any:
         raise TypeError("a Scene cannot be pickled or copied: pass the file, XML (Scene.xml) or dictionary it was made of and load it there; "
@@ -121,8 +123,13 @@ class Scene:
             raise SceneError(problems)
         try:
             self._open.set(texts, given)
-        except SceneError as e:
-            raise SceneError([_without_column(p) for p in e.problems]) from None
+        except Error as e:
+            error = self._in_words(e)
+            raise SceneError([_of_change(p) for p in error.problems]) if isinstance(error, SceneError) else error from None
+
+    def _in_words(self, error: Error) -> Error:
+        """An error of the scene, with entries in place of lines if it was made of dicts."""
+        return error if self._places is None else relocated_error(error, _DICT_FILE, self._places)
 
     def _expected(self, path: str) -> Optional[str]:
         """The type of a parameter in its plug-in's table."""
@@ -163,7 +170,8 @@ class Scene:
     @property
     def notes(self) -> List[str]:
         """Notes of the scene reader: parameters without effect, replaced plug-ins, ..."""
-        return list(self._open.notes)
+        notes = list(self._open.notes)
+        return notes if self._places is None else [relocated_note(note, _DICT_FILE, self._places) for note in notes]
 
     @property
     def size(self) -> Tuple[int, int]:
@@ -229,8 +237,9 @@ def _default(text: str, kind: str) -> Any:
         return text
 
 
-def _without_column(p: Problem) -> Problem:
-    return Problem(p.message, p.file) if p.file.startswith('["') else p
+def _of_change(p: Problem) -> Problem:
+    """A problem of a new value: without a column, and in the words of Python."""
+    return Problem(in_python(p.message), p.file) if p.file.startswith('["') else p
 
 
 def _defines(defines: Mapping[str, Any]) -> List[Tuple[str, str]]:
@@ -294,7 +303,7 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
     file = file_path("path", path) if path is not None else _TEXT_FILE
     if _root_tag(text) in ("scene", ""):
         return Scene(_aureole.OpenScene.load_string(text, file, _defines(defines), {}, integrator, sampler))
-    return _object(SceneText(f'<scene version="3.0.0">{text}</scene>', [], {}), file)
+    return _object(SceneText(f'<scene version="3.0.0">{text}</scene>', [], {}), file, (360.0, 830.0))
 
 
 def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, integrator: str = "",
@@ -302,7 +311,8 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     """Loads a scene, or a single object, from nested dicts as Mitsuba has them.
 
     Each dict has a "type", the name of a plug-in (or "scene", "ref", "rgb", "spectrum"). Other entries are parameters:
-    numbers, strings, booleans, three numbers (vectors; colours where a spectrum is expected), `Transform` or matrices of
+    numbers, strings, booleans, three numbers (vectors; colours where a spectrum is expected), spectra ({"type": "spectrum",
+    "value": [(400, 0.2), (700, 0.5)]} in nm, another "unit" beside it, or the text of a scene file), `Transform` or matrices of
     4 x 4, nested dicts, BSDFs written in Python (objects with eval, pdf and sample), and arrays, for the pixels of a
     texture ("bitmap" with "data") or the vertices of a mesh ("mesh" with "vertices" and "faces").
 
@@ -333,28 +343,32 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     if isinstance(kind, str) and kind == "scene":
         text = scene_text(description)
         try:
-            return Scene(_aureole.OpenScene.load_string(text.text, _DICT_FILE, [], text.given, integrator, sampler))
-        except SceneError as e:
-            raise relocated(e, _DICT_FILE, text.places) from None
+            return Scene(_aureole.OpenScene.load_string(text.text, _DICT_FILE, [], text.given, integrator, sampler), text.places)
+        except Error as e:
+            raise relocated_error(e, _DICT_FILE, text.places) from None
     text = object_text(description, family)
+    ends = _range(wavelengths)
     try:
-        return _object(text, _DICT_FILE, wavelengths)
-    except SceneError as e:
-        error = relocated(e, _DICT_FILE, text.places)
+        return _object(text, _DICT_FILE, ends)
+    except Error as e:
+        error = relocated_error(e, _DICT_FILE, text.places)
         found = [] if family is not None or "family" in description else other_families(kind)
-        if found:
+        if found and isinstance(error, SceneError):
             choices = " or ".join(f'family="{other}"' for other in found[1:])
             error = SceneError([*error.problems, Problem(
                 f'"{kind}" was taken for the family "{found[0]}"; {choices} reads it as another', "the dict")])
         raise error from None
 
 
-def _object(text: SceneText, file: str, wavelengths: "Tuple[float, float]" = (360.0, 830.0)) -> Any:
+def _range(wavelengths: "Tuple[float, float]") -> "Tuple[float, float]":
     ends = real("wavelengths", wavelengths, positive=True, unit="nm")
     if ends.shape != (2,) or not ends[0] < ends[1]:
         raise Error(f"wavelengths: expected two increasing wavelengths in nm, got {shown(wavelengths)}")
-    low, high = float(ends[0]), float(ends[1])
-    return _aureole.load_object(text.text, file, low, high, text.given)
+    return float(ends[0]), float(ends[1])
+
+
+def _object(text: SceneText, file: str, wavelengths: "Tuple[float, float]") -> Any:
+    return _aureole.load_object(text.text, file, wavelengths[0], wavelengths[1], text.given)
 
 
 def _root_tag(text: str) -> str:

@@ -29,22 +29,36 @@ from ._edge_waves import (AmplitudeMoments, EdgeConstants, EdgeWaves, amplitude_
                           gaussian_beam_power, interfering_power, mean_edge_sigma, triangle_power, triangle_transform,
                           zeroth_order_power)
 from ._errors import Error
+from ._media import (absorptance, absorption_of_decadic, absorption_of_index, absorption_of_mass,
+                     absorption_of_molar, absorption_of_napierian, absorption_of_number, air_cross_section,
+                     air_depolarization, air_refractivity, cross_section_of_molar, decadic_absorbance, dipole_albedo,
+                     dipole_reflectance, hard_sphere_structure_factor, henyey_greenstein, index_of_absorption,
+                     napierian_absorbance, rayleigh_phase, transmittance, transmittance_of_decadic,
+                     transmittance_of_napierian, water_scattering)
 from ._sizes import SizeDistribution, size_distribution
 from ._stack import PlaneStack, StackFields, StackFluxes, StackLayer
 from ._vectorised import broadcast, limit_results, shaped
 
 __all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "Fresnel", "HardDiscs", "Mie",
-           "PairCorrelation", "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution", "StackFields",
-           "StackFluxes", "StackLayer", "StructureFactor", "amplitude_moments", "annulus", "circle",
-           "diffracted_intensity", "drawn_edge_kernels", "edge_alpha1", "edge_alpha2", "edge_constants", "ellipse",
-           "faddeeva", "fraunhofer", "fresnel", "fresnel_diffuse_reflectance", "fresnel_integral", "gaussian_beam_power",
-           "hard_disc_pair_correlation", "hard_discs", "interfering_power", "keller_coefficient", "kirchhoff",
-           "knife_edge", "mask", "mean_edge_kernel", "mean_edge_powers", "mean_edge_sigma", "mie", "mie_amplitudes",
-           "mie_phase_function", "ngon", "pair_correlation", "plane_wave_distance", "plane_wave_spreading",
+           "PairCorrelation", "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution",
+           "SlabPowers", "StackFields", "StackFluxes", "StackLayer", "StructureFactor", "absorptance",
+           "absorption_of_decadic", "absorption_of_index", "absorption_of_mass", "absorption_of_molar",
+           "absorption_of_napierian", "absorption_of_number", "air_cross_section", "air_depolarization",
+           "air_refractivity", "amplitude_moments", "annulus", "circle", "cross_section_of_molar",
+           "decadic_absorbance", "diffracted_intensity", "dipole_albedo", "dipole_reflectance", "drawn_edge_kernels",
+           "edge_alpha1", "edge_alpha2", "edge_constants", "ellipse", "faddeeva", "fraunhofer", "fresnel",
+           "fresnel_diffuse_reflectance", "fresnel_integral", "gaussian_beam_power", "hard_disc_pair_correlation",
+           "hard_discs", "hard_sphere_structure_factor", "henyey_greenstein", "index_of_absorption",
+           "interfering_power", "keller_coefficient", "kirchhoff", "knife_edge", "mask", "mean_edge_kernel",
+           "mean_edge_powers", "mean_edge_sigma", "mie", "mie_amplitudes", "mie_phase_function",
+           "napierian_absorbance", "ngon", "pair_correlation", "plane_wave_distance", "plane_wave_spreading",
            "point_source_distance", "point_source_spreading", "point_structure_factor", "polygon", "radio_materials",
-           "radio_permittivity", "rayleigh_sommerfeld", "rectangle", "size_distribution", "star", "straight_edge_corrections",
-           "straight_edge_kernels", "straight_edge_power", "straight_edge_power_correction", "straight_edge_weights", "structure_factor", "transition_function", "triangle_power", "triangle_transform",
-           "utd_coefficient", "utd_field", "zeroth_order_power"]
+           "radio_permittivity", "rayleigh_phase", "rayleigh_sommerfeld", "rectangle", "size_distribution",
+           "slab_powers", "star", "straight_edge_corrections", "straight_edge_kernels", "straight_edge_power",
+           "straight_edge_power_correction", "straight_edge_weights", "structure_factor", "thin_slab_reflectance",
+           "transition_function", "transmittance", "transmittance_of_decadic", "transmittance_of_napierian",
+           "triangle_power", "triangle_transform", "utd_coefficient", "utd_field", "water_scattering",
+           "zeroth_order_power"]
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -232,14 +246,88 @@ def fresnel(cos_theta: npt.ArrayLike, eta: npt.ArrayLike) -> Fresnel:
     array([0.938, 0.933])
     """
     cosine = real("cos_theta", cos_theta, minimum=-1e-6, maximum=1 + 1e-6)
-    index = complex_numbers("eta", eta)
-    modulus = np.abs(index)
-    wrong = (index.real < 0) | (index.imag < 0) | (modulus < 1e-6) | (modulus > 1e6)
-    _refuse("eta", index, wrong, "n + i k with n >= 0, k >= 0 and a modulus in [1e-6, 1e6]")
+    index = _refractive("eta", eta)
     shape, (flat_cosine, flat_index) = broadcast(cos_theta=cosine, eta=index)
     amplitudes, power = np.empty((5, flat_cosine.size), np.complex128), np.empty((2, flat_cosine.size))
     _aureole.fresnel(flat_cosine, flat_index, amplitudes, power)
     return Fresnel(*(shaped(row, shape) for row in amplitudes), *(shaped(row, shape) for row in power))
+
+
+class SlabPowers(NamedTuple):
+    """Result of `slab_powers`: fractions of the incident power, arrays of one shape whose sum is 1.
+
+    Attributes
+    ----------
+    reflected, transmitted, absorbed : numpy.ndarray
+    """
+
+    reflected: Reals
+    transmitted: Reals
+    absorbed: Reals
+
+
+def slab_powers(cos_theta: npt.ArrayLike, index: npt.ArrayLike, thickness: npt.ArrayLike, *,
+                outside: npt.ArrayLike = 1.0) -> SlabPowers:
+    """Unpolarised power that a slab with parallel faces reflects and transmits, with interference of all reflections in it.
+
+    Parameters
+    ----------
+    cos_theta : array_like
+        Cosine of the angle of incidence, in [0, 1]; rounding errors beyond, up to 1e-6, are clamped.
+    index : array_like of real or complex numbers
+        Index of the slab, n + i k with k >= 0 (time dependence exp(-i omega t)); n >= 0, modulus in [1e-6, 1e6].
+    thickness : array_like
+        Of the slab, in wavelengths in vacuum; positive.
+    outside : array_like
+        Index on both sides of the slab, in [1e-3, 1e3].
+
+    Returns
+    -------
+    SlabPowers
+
+    References
+    ----------
+    Born & Wolf, Principles of Optics, 7th ed. 1999, 1.6.4 and 14.4; Recommendation ITU-R P.2040-3, 2.2.2.
+
+    Examples
+    --------
+    >>> from aureole import optics
+    >>> optics.slab_powers(1, 1.5, [0.5 / 3, 1 / 3]).reflected.round(4)  # a quarter and half of a wavelength within the slab
+    array([0.1479, 0.    ])
+    """
+    cosine = real("cos_theta", cos_theta, minimum=-1e-6, maximum=1 + 1e-6)
+    slab = _refractive("index", index)
+    shape, (flat_cosine, flat_slab, flat_thickness, flat_outside) = broadcast(
+        cos_theta=cosine, index=slab, thickness=real("thickness", thickness, positive=True),
+        outside=real("outside", outside, minimum=1e-3, maximum=1e3))
+    power = np.empty((2, flat_cosine.size))
+    _aureole.slab_powers(flat_cosine, flat_slab, flat_thickness, flat_outside, power)
+    return SlabPowers(*(shaped(row, shape) for row in (*power, np.maximum(1 - power[0] - power[1], 0.0))))
+
+
+def thin_slab_reflectance(cos_theta: npt.ArrayLike, eta: npt.ArrayLike) -> Reals:
+    """Unpolarised power that a lossless slab reflects, all interreflections added as powers: 2 R/(1 + R) of one face's R.
+
+    The slab is thicker than the coherence length of the light; `slab_powers` has interference.
+
+    Parameters
+    ----------
+    cos_theta : array_like
+        Cosine of the angle of incidence, in [0, 1]; rounding errors beyond, up to 1e-6, are clamped.
+    eta : array_like
+        Index of the slab over that outside, in [1e-3, 1e3].
+
+    Examples
+    --------
+    >>> from aureole import optics
+    >>> float(optics.thin_slab_reflectance(1, 1.5).round(4))
+    0.0769
+    """
+    shape, (cosine, index) = broadcast(cos_theta=real("cos_theta", cos_theta, minimum=-1e-6, maximum=1 + 1e-6),
+                                       eta=real("eta", eta, minimum=1e-3, maximum=1e3))
+    result = np.empty(cosine.size)
+    _aureole.thin_slab_reflectance(cosine, index, result)
+    return shaped(result, shape)  # type: ignore[no-any-return]
 
 
 def fresnel_diffuse_reflectance(eta: npt.ArrayLike) -> Reals:
@@ -266,6 +354,14 @@ def fresnel_diffuse_reflectance(eta: npt.ArrayLike) -> Reals:
     result = np.empty(flat.size)
     _aureole.fresnel_diffuse_reflectance(flat, result)
     return shaped(result, shape)  # type: ignore[no-any-return]
+
+
+def _refractive(name: str, value: Any) -> Complexes:
+    index = complex_numbers(name, value)
+    modulus = np.abs(index)
+    wrong = (index.real < 0) | (index.imag < 0) | (modulus < 1e-6) | (modulus > 1e6)
+    _refuse(name, index, wrong, "n + i k with n >= 0, k >= 0 and a modulus in [1e-6, 1e6]")
+    return index
 
 
 def _spheres(x: Any, m: Any) -> Tuple[Tuple[int, ...], Tuple[npt.NDArray[Any], ...]]:

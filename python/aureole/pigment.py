@@ -15,12 +15,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import real, scalar
+from ._arrays import complex_numbers, flag, real, scalar, text as checked_text
 from ._errors import Error
 from ._vectorised import broadcast, choice, last_axis, shaped
 
-__all__ = ["Layer", "Match", "Paint", "Palette", "Surface", "TwoFluxError", "ciede2000", "coefficients", "fit", "k_over_s", "lab", "layer",
-           "opaque_reflectance", "saunderson", "surface", "two_flux_error"]
+__all__ = ["Fluxes", "Layer", "Match", "Paint", "Palette", "Surface", "TwoFluxError", "ciede2000", "coefficients",
+           "coefficients_of_transport", "fit", "fluxes_within", "grain_index", "grain_names", "k_over_s", "lab",
+           "layer", "opaque_reflectance", "paint_of_grains", "saunderson", "surface", "two_flux_error"]
 
 Reals = npt.NDArray[np.float64]
 
@@ -58,6 +59,77 @@ def layer(k: npt.ArrayLike, s: npt.ArrayLike, thickness: npt.ArrayLike) -> Layer
     result = np.empty((2, k_.size))
     _aureole.pigment_layer(k_, s_, x, result)
     return Layer(shaped(result[0], shape), shaped(result[1], shape))
+
+
+class Fluxes(NamedTuple):
+    """Diffuse light within a layer, for an incident flux of one."""
+
+    down: Reals
+    up: Reals
+
+
+def fluxes_within(k: npt.ArrayLike, s: npt.ArrayLike, thickness: npt.ArrayLike, substrate: npt.ArrayLike,
+                  depth: npt.ArrayLike) -> Fluxes:
+    """Downward and upward flux at a depth of a layer over a substrate (Kubelka 1948).
+
+    Parameters
+    ----------
+    k, s : array_like
+        Absorption and scattering of diffuse light per length, at least 0, in the inverse of the unit of thickness.
+    thickness : array_like
+        At least 0.
+    substrate : array_like
+        Diffuse reflectance below the layer, in [0, 1].
+    depth : array_like
+        Below the surface, in [0, thickness].
+
+    Returns
+    -------
+    Fluxes
+        At depth 0 `down` is 1 and `up` the inner reflectance of layer and substrate.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> pigment.fluxes_within(0, 1, 1, 0, [0, 0.5, 1]).down.round(6)  # linear where nothing absorbs
+    array([1.  , 0.75, 0.5 ])
+    """
+    shape, (k_, s_, x, below, at) = broadcast(
+        k=real("k", k, minimum=0), s=real("s", s, minimum=0), thickness=real("thickness", thickness, minimum=0),
+        substrate=real("substrate", substrate, minimum=0, maximum=1), depth=real("depth", depth, minimum=0))
+    if np.any(at > x):
+        raise Error(f"depth: expected at most the thickness, got {at[at > x][0]:g} in a layer of {x[at > x][0]:g}")
+    result = np.empty((2, k_.size))
+    _aureole.pigment_fluxes(k_, s_, x, below, at, result)
+    return Fluxes(shaped(result[0], shape), shaped(result[1], shape))
+
+
+def coefficients_of_transport(sigma_a: npt.ArrayLike, sigma_s: npt.ArrayLike, g: npt.ArrayLike = 0, *,
+                              convention: str = "three_quarters") -> Tuple[Reals, Reals]:
+    """K and S from the coefficients of radiative transfer, by one of the conventions in use (docs/pigments.md).
+
+    Parameters
+    ----------
+    sigma_a, sigma_s : array_like
+        Absorption and scattering coefficient per length, at least 0.
+    g : array_like
+        Mean cosine of the phase function, in [-1, 1].
+    convention : str
+        "three_quarters", "diffusion" (S is negative for strong absorbers) or "double_gauss". K = 2 sigma_a in each.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> [float(x) for x in pigment.coefficients_of_transport(1, 100, 0.2)]
+    [2.0, 60.0]
+    """
+    choice("convention", convention, *_aureole.pigment_conventions())
+    shape, (absorbed, scattered, mean) = broadcast(
+        sigma_a=real("sigma_a", sigma_a, minimum=0), sigma_s=real("sigma_s", sigma_s, minimum=0),
+        g=real("g", g, minimum=-1, maximum=1))
+    result = np.empty((2, absorbed.size))
+    _aureole.pigment_transport(absorbed, scattered, mean, convention, result)
+    return shaped(result[0], shape), shaped(result[1], shape)
 
 
 def coefficients(reflectance: npt.ArrayLike, transmittance: npt.ArrayLike,
@@ -250,6 +322,94 @@ class Paint:
             return math.inf
         return float(_aureole.pigment_hiding_thickness(
             lambda x: self.contrast_ratio(x, black=black, white=white, illuminant=illuminant), 1 / rate, wanted))
+
+
+def grain_names() -> List[str]:
+    """Names that `grain_index` and `paint_of_grains` know: materials, then trade names."""
+    return list(_aureole.pigment_grain_names())
+
+
+def grain_index(material: str, nm: npt.ArrayLike) -> npt.NDArray[np.complex128]:
+    """Index n + i k of a pigment or filler by name, such as "rutile"; of crystals the mean over directions.
+
+    Parameters
+    ----------
+    material : str
+        One of `grain_names`; case is ignored.
+    nm : array_like
+        Wavelength in vacuum. Outside the range of the source the value at its limit holds.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> complex(pigment.grain_index("calcite", 589.3).round(3))
+    (1.601+0j)
+    """
+    wavelengths = real("nm", nm, positive=True)
+    result = np.empty(wavelengths.size, np.complex128)
+    _aureole.pigment_grain_index(checked_text("material", material), np.ascontiguousarray(wavelengths).reshape(-1), result)
+    return shaped(result, wavelengths.shape)  # type: ignore[no-any-return]
+
+
+def paint_of_grains(nm: npt.ArrayLike, index: Union[str, npt.ArrayLike], radius: float, *, fraction: float,
+                    binder: npt.ArrayLike = 1.5, spread: float = 0.0, weighting: str = "number", hard_spheres: bool = False,
+                    convention: str = "three_quarters", surface: Surface = Surface()) -> Paint:
+    """Paint from its microstructure: K and S [1/m] of spheres in a binder, by Mie's theory and a convention.
+
+    K and S of several kinds of grains in one binder add.
+
+    Parameters
+    ----------
+    nm : array_like
+        Increasing wavelengths in vacuum.
+    index : str or array_like
+        Of the grains: a name of `grain_names`, or n + i k, one for all or one for each wavelength.
+    radius : float
+        In m; with a spread the median.
+    fraction : float
+        Of the volume that the grains fill, in (0, 0.74]; 0.6 with `hard_spheres`.
+    binder : array_like
+        Real index of the binder, one for all or one for each wavelength.
+    spread : float
+        Standard deviation of ln(radius), in [0, 1.5]; 0: one radius.
+    weighting : str
+        "number" or "volume": by which the median is stated.
+    hard_spheres : bool
+        Whether neighbours keep their distance, so that a dense paint scatters less than the sum of its grains. Without
+        it S is too large above some 5 % of the volume.
+    convention : str
+        As for `coefficients_of_transport`; negative S is set to 0.
+    surface : Surface
+        The interface of the paint to air.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> white = pigment.paint_of_grains([450, 550, 650], "rutile", 0.11e-6, fraction=0.1)
+    >>> bool((white.s > 3e5).all()), float(white.k[1])
+    (True, 0.0)
+    """
+    choice("convention", convention, *_aureole.pigment_conventions())
+    choice("weighting", weighting, "number", "volume")
+    wavelengths = real("nm", nm, positive=True)
+    if wavelengths.ndim != 1 or wavelengths.size == 0 or not (np.diff(wavelengths) > 0).all():
+        raise Error("nm: expected increasing wavelengths in nm")
+    grains = grain_index(index, wavelengths) if isinstance(index, str) else complex_numbers("index", index)
+    if not ((grains.real > 0) & (grains.imag >= 0)).all():
+        raise Error("index: expected n + i k with n > 0 and k >= 0")
+
+    def each(name: str, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        if values.shape not in ((), wavelengths.shape):
+            raise Error(f"{name}: expected one number or {wavelengths.size}, one for each wavelength, got shape {values.shape}")
+        return np.ascontiguousarray(np.broadcast_to(values, wavelengths.shape))
+
+    dense = flag("hard_spheres", hard_spheres)
+    result = np.empty((2, wavelengths.size))
+    _aureole.pigment_grains(np.ascontiguousarray(wavelengths), each("index", grains),
+                            each("binder", real("binder", binder, minimum=1, maximum=10)),
+                            scalar("radius", radius, positive=True, unit="m"), scalar("spread", spread, minimum=0, maximum=1.5), weighting == "volume",
+                            scalar("fraction", fraction, positive=True, maximum=0.6 if dense else 0.74), dense, convention, result)
+    return Paint(wavelengths, result[0], result[1], surface)
 
 
 @dataclass(frozen=True)

@@ -115,9 +115,9 @@ nb::object moved(Image image) {
 }
 
 /// The content of a picture for pickle: width, height, channels, pixels, whether they are encoded, the state as a
-/// file or nothing, invalid samples.
+/// file or nothing, invalid samples, notes.
 using PictureParts = std::tuple<int, int, std::vector<std::string>, nb::bytes, bool, nb::bytes,
-                                std::vector<std::array<std::int64_t, 4>>>;
+                                std::vector<std::array<std::int64_t, 4>>, std::vector<std::string>>;
 
 PictureParts parts_of(const Picture& p) {
   const std::vector<char> state = p.state ? p.state->to_bytes() : std::vector<char>();
@@ -128,11 +128,12 @@ PictureParts parts_of(const Picture& p) {
           nb::bytes(pixels, p.image.pixels.size() * sizeof(float)),
           p.image.srgb_encoded,
           nb::bytes(state.data(), state.size()),
-          p.invalid};
+          p.invalid,
+          p.image.notes};
 }
 
 Picture picture_of(const PictureParts& parts) {
-  const auto& [width, height, channels, pixels, encoded, state, invalid] = parts;
+  const auto& [width, height, channels, pixels, encoded, state, invalid, notes] = parts;
   Picture p;
   const std::size_t count = pixels.size() / sizeof(float);
   const double expected = double(width) * double(height) * double(channels.size());
@@ -144,6 +145,7 @@ Picture picture_of(const PictureParts& parts) {
     p.state = std::make_shared<const RenderState>(
         RenderState::from_bytes({state.c_str(), state.size()}, {"pickled picture", 0, 0}));
   p.invalid = invalid;
+  p.image.notes = notes;
   return p;
 }
 
@@ -192,6 +194,7 @@ void bind_image(nb::module_& m) {
                    [](nb::handle_t<Picture> self) { return view(nb::cast<Picture&>(self).image, self); })
       .def_prop_ro("channels", [](const Picture& p) { return p.image.channels; })
       .def_prop_ro("srgb_encoded", [](const Picture& p) { return p.image.srgb_encoded; })
+      .def_prop_ro("notes", [](const Picture& p) { return p.image.notes; })
       .def_prop_ro("invalid", [](const Picture& p) { return p.invalid; })
       .def_prop_ro("facts",
                    [](const Picture& p) {

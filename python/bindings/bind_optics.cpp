@@ -108,6 +108,23 @@ void fresnel(const Reals& cos_theta, const Complexes& eta, const Array<Complex, 
   });
 }
 
+/// Rows of `result`: reflected, transmitted power.
+void slab_powers(const Reals& cos_theta, const Complexes& index, const Reals& thickness, const Reals& outside,
+                 const Array<double, 2>& result) {
+  const std::size_t n = cos_theta.size();
+  require_size(index.size() == n && thickness.size() == n && outside.size() == n && result.shape(0) == 2 &&
+                   result.shape(1) == n,
+               "slab_powers");
+  double* to = result.data();
+  naming("slab_powers", [&] {
+    for_each(n, [&](std::size_t i) {
+      const optics::SlabPowers p =
+          optics::slab_powers(cos_theta.data()[i], outside.data()[i], index.data()[i], thickness.data()[i]);
+      to[i] = p.reflected, to[n + i] = p.transmitted;
+    });
+  });
+}
+
 }  // namespace
 
 void bind_optics(nb::module_& m) {
@@ -118,15 +135,23 @@ void bind_optics(nb::module_& m) {
   m.def("mie_phase_function", &mie_phase_function, arg("x"), arg("m"), arg("mu"), arg("result").noconvert());
   m.def("fresnel", &fresnel, arg("cos_theta"), arg("eta"), arg("amplitudes").noconvert(),
         arg("fractions").noconvert());
+  m.def("slab_powers", &slab_powers, arg("cos_theta"), arg("index"), arg("thickness"), arg("outside"),
+        arg("result").noconvert());
+  m.def(
+      "thin_slab_reflectance",
+      [](const Reals& cos_theta, const Reals& eta, const Array<double>& result) {
+        map_pairs("thin_slab_reflectance", cos_theta, eta, result, [](double cosine, double index) {
+          return optics::thin_slab_reflectance(cosine, 1, index);
+        });
+      },
+      arg("cos_theta"), arg("eta"), arg("result").noconvert());
   m.def(
       "fresnel_diffuse_reflectance",
       [](const Reals& eta, const Array<double>& result) {
-        require_size(result.size() == eta.size(), "fresnel_diffuse_reflectance");
-        for_each(eta.size(), [from = eta.data(), to = result.data()](std::size_t i) {
-          to[i] = optics::fresnel_diffuse_reflectance(from[i]);
-        });
+        map_numbers("eta", eta, result, &optics::fresnel_diffuse_reflectance);
       },
       arg("eta"), arg("result").noconvert());
+  bind_absorption(m);
   bind_sizes(m);
   bind_stack(m);
   bind_apertures(m);

@@ -21,9 +21,7 @@ using optics::RadiusDistribution;
 RadiusDistribution make(const std::string& kind, double radius, double first, double second, bool by_volume) {
   if (kind == "gamma") return RadiusDistribution::gamma(radius, first);
   if (kind == "modified_gamma") return RadiusDistribution::modified_gamma(radius, first, second);
-  if (first == 0) return RadiusDistribution::monodisperse(radius);
-  return RadiusDistribution::log_normal(
-      radius, first, by_volume ? optics::SizeWeighting::volume : optics::SizeWeighting::number);
+  return log_normal_radii(radius, first, by_volume);
 }
 
 /// Radii, their weights, and effective radius, effective variance, mean area and mean volume.
@@ -44,6 +42,12 @@ std::tuple<std::vector<double>, std::vector<double>, std::vector<double>> sizes(
 }
 
 }  // namespace
+
+RadiusDistribution log_normal_radii(double median, double spread, bool by_volume) {
+  if (spread == 0) return RadiusDistribution::monodisperse(median);
+  return RadiusDistribution::log_normal(
+      median, spread, by_volume ? optics::SizeWeighting::volume : optics::SizeWeighting::number);
+}
 
 void bind_sizes(nb::module_& m) {
   using nb::arg;

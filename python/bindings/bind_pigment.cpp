@@ -11,8 +11,14 @@
 #include <tuple>
 #include <vector>
 
+#include "aureole/core/error.h"
+#include "aureole/core/parallel.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/optics/medium/spectral_table.h"
+#include "aureole/optics/medium/suspension_model.h"
+#include "aureole/pigment/grain_index.h"
+#include "aureole/pigment/grains.h"
 #include "aureole/pigment/hiding.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
 #include "aureole/pigment/measured_paints.h"
@@ -82,13 +88,6 @@ void pigment_coefficients(const Reals& r, const Reals& t, const Reals& thickness
   });
 }
 
-/// One number to one number, named for errors.
-template <class F>
-void map_numbers(const char* name, const Reals& from, const Array<double>& to, const F& f) {
-  require_size(to.size() == from.size(), name);
-  naming(name, [&] { for_each(from.size(), [&](std::size_t i) { to.data()[i] = f(from.data()[i]); }); });
-}
-
 /// Rows of three numbers.
 void difference(const Array<const double, 2>& a, const Array<const double, 2>& b,
                 const Array<double>& result) {
@@ -97,6 +96,93 @@ void difference(const Array<const double, 2>& a, const Array<const double, 2>& b
   for_each(n, [&](std::size_t i) {
     const double *p = a.data() + 3 * i, *q = b.data() + 3 * i;
     result.data()[i] = pigment::ciede2000({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
+  });
+}
+
+/// Rows of `result`: downward flux, upward flux.
+void fluxes(const Reals& k, const Reals& s, const Reals& thickness, const Reals& substrate,
+            const Reals& depth, const Array<double, 2>& result) {
+  const std::size_t n = k.size();
+  require_size(s.size() == n && thickness.size() == n && substrate.size() == n && depth.size() == n &&
+                   result.shape(0) == 2 && result.shape(1) == n,
+               "fluxes_within");
+  double* to = result.data();
+  naming("depth", [&] {
+    for_each(n, [&](std::size_t i) {
+      const pigment::Fluxes f = pigment::fluxes_within({k.data()[i], s.data()[i]}, thickness.data()[i],
+                                                       substrate.data()[i], depth.data()[i]);
+      to[i] = f.down, to[n + i] = f.up;
+    });
+  });
+}
+
+/// Rows of `result`: K, S by a convention.
+void transport(const Reals& sigma_a, const Reals& sigma_s, const Reals& g, const std::string& convention,
+               const Array<double, 2>& result) {
+  const std::size_t n = sigma_a.size();
+  require_size(sigma_s.size() == n && g.size() == n && result.shape(0) == 2 && result.shape(1) == n,
+               "coefficients_of_transport");
+  double* to = result.data();
+  naming("transport", [&] {
+    const pigment::Convention named = pigment::convention_named(convention);
+    for_each(n, [&](std::size_t i) {
+      const pigment::Coefficients c =
+          pigment::coefficients_of_transport(sigma_a.data()[i], sigma_s.data()[i], g.data()[i], named);
+      to[i] = c.k, to[n + i] = c.s;
+    });
+  });
+}
+
+/// n + i k of a material of grains; throws for an unknown name.
+void grain_index(const std::string& material, const Reals& nm, const Array<Complex>& result) {
+  require_size(result.size() == nm.size(), "grain_index");
+  const auto found = pigment::find_grain_index(material);
+  if (!found)
+    throw Error("material: unknown name \"" + material + "\"" +
+                did_you_mean_or_all(material, pigment::grain_index_names()));
+  for (std::size_t i = 0; i < nm.size(); ++i) result.data()[i] = found->index(nm.data()[i]);
+}
+
+/// A function through the values at increasing wavelengths.
+optics::SpectralFunction function_of(const Reals& nm, const std::function<double(std::size_t)>& value) {
+  std::vector<optics::SpectralPoint> points;
+  for (std::size_t i = 0; i < nm.size(); ++i) points.push_back({nm.data()[i], value(i)});
+  return optics::spectral_table(points);
+}
+
+/// Rows of `result`: K, S in 1/m of spheres whose radii are log-normal.
+void grains(const Reals& nm, const Complexes& index, const Reals& binder, double radius, double spread,
+            bool by_volume, double fraction, bool hard_spheres, const std::string& convention,
+            const Array<double, 2>& result) {
+  const std::size_t n = nm.size();
+  require_size(
+      n > 0 && index.size() == n && binder.size() == n && result.shape(0) == 2 && result.shape(1) == n,
+      "paint_of_grains");
+  naming("grains", [&] {
+    const pigment::Convention named = pigment::convention_named(convention);
+    const optics::SpectralFunction real =
+                                       function_of(nm, [&](std::size_t i) { return index.data()[i].real(); }),
+                                   imaginary =
+                                       function_of(nm, [&](std::size_t i) { return index.data()[i].imag(); });
+    const optics::Ingredient spheres{.name = "grains",
+                                     .particles = optics::sphere_kind([=](double lambda_nm) {
+                                       return Complex(real(lambda_nm), imaginary(lambda_nm));
+                                     }),
+                                     .radii = log_normal_radii(radius, spread, by_volume),
+                                     .amount = {optics::Amount::Kind::volume, fraction},
+                                     .density = 0,
+                                     .hard_spheres = hard_spheres};
+    const optics::Suspension suspension(
+        {.index = function_of(nm, [&](std::size_t i) { return binder.data()[i]; })}, {spheres});
+    SignalCheck signals;
+    const Unlocked release;
+    // Ctrl-C is looked for between wavelengths, by the thread that called.
+    for (std::size_t i = 0; i < n; ++i) {
+      const pigment::Coefficients c =
+          pigment::paint_of_grains(suspension, std::span(nm.data() + i, 1), named, for_ranges)[0];
+      result.data()[i] = c.k, result.data()[n + i] = c.s;
+      signals();
+    }
   });
 }
 
@@ -189,6 +275,14 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
 void bind_pigment(nb::module_& m) {
   using nb::arg;
   m.def("pigment_layer", &layer, arg("k"), arg("s"), arg("thickness"), arg("result").noconvert());
+  m.def("pigment_fluxes", &fluxes, arg("k"), arg("s"), arg("thickness"), arg("substrate"), arg("depth"),
+        arg("result").noconvert());
+  m.def("pigment_transport", &transport, arg("sigma_a"), arg("sigma_s"), arg("g"), arg("convention"),
+        arg("result").noconvert());
+  m.def("pigment_grain_index", &grain_index, arg("material"), arg("nm"), arg("result").noconvert());
+  m.def("pigment_grain_names", &pigment::grain_index_names);
+  m.def("pigment_grains", &grains, arg("nm"), arg("index"), arg("binder"), arg("radius"), arg("spread"),
+        arg("by_volume"), arg("fraction"), arg("hard_spheres"), arg("convention"), arg("result").noconvert());
   m.def("pigment_coefficients", &pigment_coefficients, arg("reflectance"), arg("transmittance"),
         arg("thickness"), arg("result").noconvert());
   m.def(

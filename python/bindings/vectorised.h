@@ -87,4 +87,19 @@ void for_each(std::size_t n, const Body& body) {
   for_each(n, body, signals);
 }
 
+/// Sets to[i] = f(from[i]). Errors begin with `name`.
+template <class F>
+void map_numbers(const char* name, const Reals& from, const Array<double>& to, const F& f) {
+  require_size(to.size() == from.size(), name);
+  naming(name, [&] { for_each(from.size(), [&](std::size_t i) { to.data()[i] = f(from.data()[i]); }); });
+}
+
+/// Sets to[i] = f(a[i], b[i]). Errors begin with `name`.
+template <class F>
+void map_pairs(const char* name, const Reals& a, const Reals& b, const Array<double>& to, const F& f) {
+  require_size(a.size() == to.size() && b.size() == to.size(), name);
+  naming(name,
+         [&] { for_each(to.size(), [&](std::size_t i) { to.data()[i] = f(a.data()[i], b.data()[i]); }); });
+}
+
 }  // namespace aureole::python

@@ -168,6 +168,8 @@ TEST_F(Cli, MediumTellsItsFigures) {
   for (const auto& row : ink["wavelengths"]) {
     EXPECT_NEAR(double(row["transmittance"]), 0.1, 1e-5);
     EXPECT_NEAR(double(row["sigma_a"]), 230.2585, 1e-2);
+    EXPECT_NEAR(double(row["absorbance"]), 1, 1e-5);
+    EXPECT_NEAR(double(row["optical_density"]), 1, 1e-5);
     EXPECT_EQ(double(row["sigma_s"]), 0);
   }
   EXPECT_NEAR(double(ink["xyz_unscattered"][1]), 0.1, 1e-5);
@@ -175,8 +177,15 @@ TEST_F(Cli, MediumTellsItsFigures) {
     EXPECT_NEAR(double(row["sigma_s"]), 1, 1e-5);
     EXPECT_NEAR(double(row["mean_free_path"]), 0.5, 1e-6);
     EXPECT_NEAR(double(row["g"]), 0.7, 1e-4);
+    // sigma_a = sigma_s = 1/m over 1 cm.
+    EXPECT_NEAR(double(row["absorbance"]), 0.01 / std::log(10), 1e-7);
+    EXPECT_NEAR(double(row["optical_density"]), 0.02 / std::log(10), 2e-7);
   }
   EXPECT_NE(content(folder.path / "fog.json.svg").find("</svg>"), std::string::npos);
+  // A cell of 50 cm passes 1e-50 of the light, which single precision rounds to 0.
+  const Outcome thick = run({"medium", s + "#ink", "--length", "50cm"});
+  EXPECT_NE(thick.output.find("        50        50\n"), std::string::npos) << thick.output;
+  EXPECT_NE(thick.output.find("A: absorbance lg(1/T) of 50cm"), std::string::npos) << thick.output;
   refused_arguments({"medium", s + "#fogg"}, "did you mean \"fog\"");
   refused_arguments({"medium", s}, "name one of the 2 media");
   refused_arguments({"medium", s + "#fog", "--length", "3"}, "unit");

@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -131,6 +133,14 @@ TEST_F(InstrumentCli, LayerOfAFileWithoutSensor) {
   refused({"layer", "material.xml#fog"}, "no BSDF or shape has the id \"fog\"");
   ASSERT_EQ(run({"medium", "material.xml"}), 0) << output;
   EXPECT_NE(output.find("material.xml (homogeneous)"), std::string::npos) << output;
+  // No shape uses the medium; albedo 0.75 is the default of Mitsuba.
+  ASSERT_EQ(run({"medium", "material.xml#fog", "--length", "1m", "--json", "fog.json"}), 0) << output;
+  for (const auto& row : nlohmann::json::parse(content(folder.path / "fog.json"))["wavelengths"]) {
+    EXPECT_NEAR(double(row["optical_density"]), 2 / std::log(10), 1e-6);
+    EXPECT_NEAR(double(row["absorbance"]), 0.5 / std::log(10), 1e-6);
+  }
+  refused({"medium", "material.xml#foog"}, "did you mean \"fog\"");
+  refused({"medium", "material.xml#both"}, "no medium has the id \"both\"");
   // A scene with a sensor and a BSDF that no shape uses.
   std::string scene = small_scene_text();
   scene.insert(scene.rfind("</scene>"), "<include filename=\"material.xml\"/>");
@@ -142,6 +152,120 @@ TEST_F(InstrumentCli, LayerOfAFileWithoutSensor) {
                R"(<scene version="3.0.0"><bsdf type="diffuse" id="a"><float name="reflectance" value="3"/>
     </bsdf></scene>)");
   refused({"layer", "wrong.xml#a"}, "wrong.xml:1:");
+}
+
+TEST_F(InstrumentCli, OutputsGoToTheWorkingFolder) {
+  folder.write("scenes/small.xml", small_scene_text(8, 6));
+  const auto files = [&](const fs::path& in) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(in)) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  const std::vector<std::string> only{"small.xml"};
+  ASSERT_EQ(run({"render", "scenes/small.xml", "--spp", "1"}), 0) << output;
+  EXPECT_NE(output.find("\nsmall.exr\nsmall.png\n"), std::string::npos) << output;
+  EXPECT_TRUE(fs::exists(folder.path / "small.exr") && fs::exists(folder.path / "small.png"));
+  // The state of a part, too, and a render resumes from there.
+  ASSERT_EQ(run({"render", "scenes/small.xml", "--samples", "0:16"}), 0) << output;
+  EXPECT_TRUE(fs::exists(folder.path / "small.state"));
+  EXPECT_EQ(run({"render", "scenes/small.xml", "--samples", "0:16"}), 2) << output;
+  EXPECT_NE(output.find("small.state: holds the samples of an earlier job"), std::string::npos) << output;
+  EXPECT_EQ(run({"render", "scenes/small.xml", "--samples", "0:16", "--resume"}), 0) << output;
+  EXPECT_EQ(files(folder.path / "scenes"), only);
+  folder.write("scenes/map.xml",
+               R"(<scene version="3.0.0"><integrator type="ptracer"/><sensor type="powermap">
+    <film type="hdrfilm"><integer name="width" value="2"/><integer name="height" value="2"/>
+    <string name="response" value="uniform"/></film></sensor><emitter type="point"><point name="position" x="0" y="0" z="2"/></emitter></scene>)");
+  ASSERT_EQ(run({"powermap", "scenes/map.xml", "--spp", "16"}), 0) << output;
+  EXPECT_TRUE(fs::exists(folder.path / "map.exr") && fs::exists(folder.path / "map.png"));
+  EXPECT_EQ(files(folder.path / "scenes").size(), 2u);
+  ASSERT_EQ(run({"info", "map.exr"}), 0) << output;
+  EXPECT_NE(output.find("power density without any shape, W/m^2"), std::string::npos) << output;
+}
+
+/// `aureole info` of the renderer's own pictures: where they come from, noise, state, and what the channels hold.
+TEST_F(InstrumentCli, InfoOfRenderedPictures) {
+  std::string scene = small_scene_text(8, 6);
+  scene.insert(scene.find("<integrator"),
+               "<integrator type=\"aov\"><string name=\"aovs\" value=\"dd:depth, nn:sh_normal\"/>");
+  scene.insert(scene.find("</integrator>"), "</integrator>");
+  folder.write("scene.xml", scene);
+  const auto says = [&](const std::string& text) {
+    EXPECT_NE(output.find(text), std::string::npos) << "expected \"" << text << "\" in: " << output;
+  };
+  ASSERT_EQ(run({"render", "scene.xml", "-o", "a.exr", "--samples", "0:16", "--replicates", "2", "-q"}), 0)
+      << output;
+  ASSERT_EQ(run({"render", "scene.xml", "-o", "b.exr", "--samples", "16:32", "--replicates", "2", "-q"}), 0)
+      << output;
+  ASSERT_EQ(run({"merge", "a.state", "b.state", "-o", "sum.exr"}), 0) << output;
+  ASSERT_EQ(run({"info", "sum.exr"}), 0) << output;
+  says("picture      sum.exr (EXR, 32-bit float, ZIP compression)\nsize         8 x 6 pixels, 24 channels\n");
+  says("scene        scene.xml (hash ");
+  says(
+      "integrator aov, sampler sobol, seed 0, 8 wavelengths per path\nestimates    Further channels of the picture");
+  says("samples      32 per pixel, of the range 0:32, in ");
+  says("noise        variances of the mean of 2 replicates");
+  says("state        sum.state is beside it");
+  says("colours      linear, primaries stated: sRGB\n");
+  says("  distance along the ray from the near clip plane, scene units\n");
+  says("  shading normal in the world, unit vector\n");
+  says("  variance of the mean over replicates of dd.T\n");
+  says("  alpha: 1 where shapes or a visible environment are, 0 where nothing is\n");
+  EXPECT_EQ(output.find("not stated"), std::string::npos) << output;
+  ASSERT_EQ(run({"info", "a.state"}), 0) << output;
+  says("samples      0:16 of each pixel, 100.0 % done");
+  fs::remove(folder.path / "sum.state");
+  ASSERT_EQ(run({"info", "sum.exr"}), 0) << output;
+  says("state        none beside it");
+  ASSERT_EQ(run({"info", "a.png"}), 0) << output;
+  says("PNG, 8 bits per channel");
+  says("red, sRGB-encoded");
+}
+
+TEST_F(InstrumentCli, InfoOfOtherFiles) {
+  const auto says = [&](const std::string& text) {
+    EXPECT_NE(output.find(text), std::string::npos) << "expected \"" << text << "\" in: " << output;
+  };
+  Image image{2, 1, {"R", "G", "B", "Z", "diffuse.R", "S0.550,00nm", "odd"}, {}, false};
+  for (int i = 0; i < 14; ++i) image.pixels.push_back(float(i));
+  image.pixels[6] = INFINITY;
+  write_exr(folder.path / "other.exr", image, ExrPixel::half,
+            {{{"comments", "line\none"}}, {{"frame", 7}}, {}});
+  ASSERT_EQ(run({"info", "other.exr"}), 0) << output;
+  says("EXR, 16-bit float, ZIP compression");
+  says("attribute    comments = line one\n");
+  says("attribute    frame = 7\n");
+  says("depth, by the conventions of EXR");
+  says("red of the layer diffuse, linear");
+  says("spectral radiance of the bin around 550,00 nm");
+  says("not stated; 1 pixels are not finite");
+  EXPECT_EQ(output.find("rendered by"), std::string::npos) << output;
+  folder.write("bright.hdr",
+               std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 1 +X 1\n\x80\x80\x80\x81"));
+  ASSERT_EQ(run({"info", "bright.hdr"}), 0) << output;
+  says("bright.hdr: values are divided by EXPOSURE");
+  says("Radiance HDR, RGBE");
+  says("primaries not stated");
+  write_pfm(folder.path / "grey.pfm", {1, 1, {"Y"}, {0.5f}, false});
+  ASSERT_EQ(run({"info", "grey.pfm"}), 0) << output;
+  says("PFM, 32-bit float");
+  says("1 x 1 pixels, 1 channel\n");
+  // Neither, with and without the extension of a picture.
+  folder.write("notes.txt", "no picture");
+  refused({"info", "notes.txt"}, "notes.txt: is neither a scene file (XML) nor a picture");
+  folder.write("empty", "");
+  refused({"info", "empty"}, "is neither");
+  folder.write("broken.tga", "no picture");
+  refused({"info", "broken.tga"}, "broken.tga: unknown or damaged image");
+  folder.write("broken.state", "no state");
+  refused({"info", "broken.state"}, "broken.state: is not a complete state file");
+  refused({"info", "grey.pfm", "-D", "a=1"}, "not a scene file");
+  refused({"info", "missing.exr"}, "missing.exr: no such file");
+  // A scene of any name.
+  folder.write("scene.txt", "  \n" + small_scene_text(8, 6));
+  ASSERT_EQ(run({"info", "scene.txt"}), 0) << output;
+  says("integrator   path");
 }
 
 TEST_F(InstrumentCli, OptionsLeavePositionalArguments) {

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <ImfChannelList.h>
+#include <ImfEnvmap.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,10 +17,12 @@
 #include "aureole/core/image.h"
 #include "aureole/core/random.h"
 #include "aureole/emitter/light.h"
+#include "aureole/loading/load.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
+#include "loading/load_text.h"
 
 namespace aureole {
 namespace {
@@ -186,6 +194,33 @@ TEST(Envmap, LooksNowhereElse) {
     (void)emitter->eval_escaped(d, w);  // must not read outside of the picture
     (void)emitter->pdf_direct_escaped({}, {}, d);
     (void)emitter->pdf_direct_escaped({}, {0, 0, 1}, d);
+  }
+}
+
+TEST(EnvironmentMap, ACubeMapIsALocatedError) {
+  const test::TemporaryFolder folder;
+  Imf::Header header(4, 24);
+  Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  const std::vector<float> pixels(4 * 24, 1.f);
+  Imf::FrameBuffer frame;
+  for (const char* name : {"R", "G", "B"}) {
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    frame.insert(name, Imf::Slice(Imf::FLOAT, (char*)pixels.data(), 4, 16));
+  }
+  {
+    Imf::OutputFile file((folder.path / "cube.exr").c_str(), header);
+    file.setFrameBuffer(frame);
+    file.writePixels(24);
+  }
+  try {
+    load_scene(folder.write("scene.xml", R"(<scene version="3.0.0"><sensor type="perspective"/>
+<emitter type="envmap">
+  <string name="filename" value="cube.exr"/></emitter></scene>)"));
+    ADD_FAILURE() << "a cube map was read as latitude by longitude";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("scene.xml:3:3: parameter \"filename\""), std::string::npos)
+        << e.what();
+    EXPECT_NE(std::string(e.what()).find("is a cube map"), std::string::npos) << e.what();
   }
 }
 

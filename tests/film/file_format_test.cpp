@@ -74,8 +74,9 @@ TEST(FileFormat, TheProgramWritesThem) {
     return folder.write(format + ".xml", t).string();
   };
   const auto run = [&](const std::string& arguments) {
-    const int status = std::system((aureole_binary().string() + " render --spp 16 --threads 1 -q " +
-                                    arguments + " > " + (folder.path / "log").string() + " 2>&1")
+    const int status = std::system(("cd " + folder.path.string() + " && " + aureole_binary().string() +
+                                    " render --spp 16 --threads 1 -q " + arguments + " > " +
+                                    (folder.path / "log").string() + " 2>&1")
                                        .c_str());
     return WEXITSTATUS(status);
   };

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spectra that end within the film's range: properties of matter keep the value at the end, with a note;
 // emission, responses and filters are zero there.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <set>
@@ -10,12 +13,14 @@
 #include "aureole/asset/asset.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/emitter/emitter.h"
+#include "aureole/loading/load.h"
 #include "aureole/medium/medium.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 #include "aureole/volume/volume.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
+#include "loading/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -110,6 +115,33 @@ TEST(SpectrumEnds, ABlackSolutionIsBlackAtAllWavelengths) {
                                    "</ingredient></medium>");
     for (const double nm : {360.0, 399.0, 550.0, 701.0, 830.0})
       EXPECT_NEAR(of_medium(*ink, nm).sigma_t[0], 100 * std::log(1000.0), 0.01) << nm;
+  }
+}
+
+TEST(SpectrumEnds, AMetalOfAFileKeepsItsLastIndexWithANote) {
+  const TemporaryFolder folder;
+  folder.write("eta.spd", "400 1.2\n590 0.4\n");
+  folder.write("k.spd", "360 2\n590 3\n");
+  const LoadedScene scene = load_scene(folder.write("scene.xml", R"(<scene version="3.0.0">
+<sensor type="perspective"/>
+<shape type="sphere"><bsdf type="conductor">
+  <spectrum name="eta" filename="eta.spd"/>
+  <spectrum name="k" filename="k.spd"/></bsdf></shape><emitter type="constant"/></scene>)"));
+  const auto noted = [&](const std::string& text) {
+    return std::any_of(scene.notes.begin(), scene.notes.end(),
+                       [&](const std::string& note) { return note.find(text) != std::string::npos; });
+  };
+  const std::string all = fmt::format("{}", fmt::join(scene.notes, "\n"));
+  EXPECT_TRUE(noted("scene.xml:4:3: parameter \"eta\": ") && noted("known from 400 to 590 nm")) << all;
+  EXPECT_TRUE(noted("scene.xml:5:3: parameter \"k\": ") && noted("known from 360 to 590 nm")) << all;
+  const SurfacePoint point;
+  for (const double nm : {600.0, 700.0, 830.0}) {
+    const Wavelengths w = at_nm(nm);
+    const auto sample = scene.scene->parts().surfaces.at(0).bsdf->sample({0, 0, 1}, 0.5f, {0.5f, 0.5f},
+                                                                         BsdfContext{w, point});
+    ASSERT_TRUE(sample);
+    const std::complex<double> index(0.4, 3);
+    EXPECT_NEAR(sample->value[0], std::norm((index - 1.0) / (index + 1.0)), 1e-4) << nm;
   }
 }
 

@@ -191,6 +191,112 @@ class TestFresnel:
             optics.fresnel(cosine, eta)
 
 
+class TestSlabs:
+    def test_airy(self):
+        """Airy's sum of all reflections: R = F sin^2/(1 + F sin^2) with F = 4 r/(1 - r)^2 for one face's reflectance r."""
+        cosine, thickness = np.linspace(0.05, 1, 20)[:, None], np.linspace(0.1, 3, 30)
+        f = optics.fresnel(cosine, 1.5)
+        phase = 2 * np.pi * 1.5 * thickness * f.cos_t.real
+        expected = 0
+        for r in (abs(f.rs) ** 2, abs(f.rp) ** 2):
+            finesse = 4 * r / (1 - r) ** 2 * np.sin(phase) ** 2
+            expected = expected + 0.5 * finesse / (1 + finesse)
+        slab = optics.slab_powers(cosine, 1.5, thickness)
+        np.testing.assert_allclose(slab.reflected, expected, rtol=1e-10, atol=1e-14)
+        np.testing.assert_allclose(slab.reflected + slab.transmitted, 1, rtol=1e-12)
+        np.testing.assert_allclose(slab.absorbed, 0, atol=1e-12)
+
+    def test_absorption(self):
+        thick = optics.slab_powers([1, 0.5], 1.5 + 0.1j, 500)
+        np.testing.assert_allclose(thick.reflected, optics.fresnel([1, 0.5], 1.5 + 0.1j).reflectance, rtol=1e-10)
+        np.testing.assert_allclose(thick.transmitted, 0, atol=1e-100)
+        np.testing.assert_allclose(thick.absorbed, 1 - thick.reflected)
+        weak = optics.slab_powers(1, 1.0 + 1e-4j, 10, outside=1.0)
+        assert weak.transmitted == pytest.approx(np.exp(-4 * np.pi * 1e-4 * 10), rel=1e-6)
+
+    def test_outside(self):
+        """The wavelength in vacuum is the unit, on whichever side: in water the slab has the same optical thickness."""
+        a = optics.slab_powers(1, 1.5, 0.25, outside=1.33)
+        b = optics.slab_powers(1, 1.5 / 1.33, 0.25 * 1.33)
+        assert a.reflected == pytest.approx(b.reflected, rel=1e-12)
+        # Total reflection at a gap of air between glass that is thin lets light through.
+        thin, thick = optics.slab_powers(0.5, 1.0, [0.05, 3.0], outside=1.5).transmitted
+        assert thin > 0.8 and thick < 1e-6
+
+    def test_incoherent(self):
+        """The mean over thicknesses is the sum of powers, for each polarisation."""
+        mean = optics.slab_powers(1, 1.5, np.linspace(10, 11, 3001)[:-1] / 3).reflected.mean()
+        assert mean == pytest.approx(optics.thin_slab_reflectance(1, 1.5), rel=1e-3)
+        assert optics.thin_slab_reflectance(1, 1.5) == pytest.approx(2 * 0.04 / 1.04)
+
+    @pytest.mark.parametrize("arguments, name", [((1.1, 1.5, 1), "cos_theta"), ((1, 1.5 - 1j, 1), "index"), ((1, 0, 1), "index"),
+                                                 ((1, 1.5, 0), "thickness"), ((1, 1.5, np.inf), "thickness")])
+    def test_limits(self, arguments, name):
+        with pytest.raises(aureole.Error, match=f"^{name}: expected"):
+            optics.slab_powers(*arguments)
+
+
+class TestAbsorption:
+    def test_quantities(self):
+        sigma, s = np.array([0.0, 1e-9, 3.0, 500.0])[:, None], np.array([0.0, 0.01, 1.0])
+        t = optics.transmittance(sigma, s)
+        np.testing.assert_allclose(t, np.exp(-sigma * s), rtol=1e-14)
+        np.testing.assert_allclose(optics.absorptance(sigma, s), -np.expm1(-sigma * s), rtol=1e-14)
+        np.testing.assert_allclose(optics.napierian_absorbance(t), sigma * s, rtol=1e-9, atol=1e-15)
+        np.testing.assert_allclose(optics.decadic_absorbance(t), sigma * s / np.log(10), rtol=1e-9, atol=1e-15)
+        a = np.array([0.0, 0.3, 2.0])
+        np.testing.assert_allclose(optics.decadic_absorbance(optics.transmittance_of_decadic(a)), a, atol=1e-14)
+        np.testing.assert_allclose(optics.napierian_absorbance(optics.transmittance_of_napierian(a)), a, atol=1e-14)
+        np.testing.assert_allclose(optics.absorption_of_napierian(a, 0.5), 2 * a)
+        np.testing.assert_allclose(optics.absorption_of_decadic(a, 0.5), 2 * np.log(10) * a)
+        assert not np.signbit(optics.decadic_absorbance(1.0))
+
+    def test_matter(self):
+        assert optics.absorption_of_index(1e-6, 500) == pytest.approx(4 * np.pi * 1e-6 / 500e-9)
+        assert optics.index_of_absorption(optics.absorption_of_index(1e-6, 500), 500) == pytest.approx(1e-6)
+        # 33000 L/(mol cm) at 1 umol/L: absorbance 0.033 in 1 cm.
+        assert optics.decadic_absorbance(optics.transmittance(optics.absorption_of_molar(33000, 1e-6), 0.01)) == pytest.approx(0.033)
+        assert optics.cross_section_of_molar(33000) * 1e-6 * 1e3 * 6.02214076e23 == pytest.approx(
+            optics.absorption_of_molar(33000, 1e-6))
+        assert optics.absorption_of_mass(2, 3) == 6 and optics.absorption_of_number(1e-12, 1e10) == pytest.approx(0.01)
+
+    def test_phase_functions(self):
+        mu, weight = np.polynomial.legendre.leggauss(200)
+        for function, mean in ((lambda m: optics.henyey_greenstein(m, 0.6), 0.6), (lambda m: optics.rayleigh_phase(m, 0.03), 0)):
+            assert 2 * np.pi * (function(mu) * weight).sum() == pytest.approx(1, rel=1e-12)
+            assert 2 * np.pi * (function(mu) * mu * weight).sum() == pytest.approx(mean, abs=1e-12)
+        assert optics.rayleigh_phase(1.0) == pytest.approx(3 / (8 * np.pi))
+        f = np.array([0.0, 0.1, 0.6])
+        np.testing.assert_allclose(optics.hard_sphere_structure_factor(0, f), (1 - f) ** 4 / (1 + 2 * f) ** 2, rtol=1e-12)
+
+    def test_air_and_water(self):
+        # The fit that Bodhaine et al. 1999 give for their own calculation, equation 29.
+        um = np.array([0.3, 0.4, 0.55, 0.7, 0.85])
+        fit = 1e-32 * (1.0455996 - 341.29061 / um**2 - 0.90230850 * um**2) / (1 + 0.0027059889 / um**2 - 85.968563 * um**2)
+        np.testing.assert_allclose(optics.air_cross_section(1000 * um), fit, rtol=1e-3)
+        assert optics.air_refractivity(589.3) == pytest.approx(2.77e-4, rel=3e-3)
+        assert 0.027 < optics.air_depolarization(550) < 0.031
+        np.testing.assert_allclose(optics.water_scattering([450, 500, 550]), [34.9e-4, 22.2e-4, 14.9e-4], rtol=0.02)
+
+    def test_dipoles(self):
+        albedo, index = np.linspace(0, 1, 11), np.array([[1.0], [1.33]])
+        inside = optics.fresnel_diffuse_reflectance(1 / index)
+        a, s = (1 + inside) / (1 - inside), np.sqrt(3 * (1 - albedo))
+        reflectance = optics.dipole_reflectance(albedo, index)
+        np.testing.assert_allclose(reflectance, albedo / 2 * (1 + np.exp(-4 / 3 * a * s)) * np.exp(-s), rtol=1e-6)
+        np.testing.assert_allclose(optics.dipole_albedo(reflectance, index), np.broadcast_to(albedo, (2, 11)), atol=1e-6)
+
+    @pytest.mark.parametrize("call, name", [
+        (lambda: optics.air_cross_section(100), "nm"), (lambda: optics.dipole_reflectance(1.1), "reduced_albedo"),
+        (lambda: optics.transmittance(-1, 1), "absorption"), (lambda: optics.transmittance(1, -1), "distance"),
+        (lambda: optics.decadic_absorbance(0), "transmittance"), (lambda: optics.napierian_absorbance(1.5), "transmittance"),
+        (lambda: optics.absorption_of_decadic(1, 0), "distance"), (lambda: optics.absorption_of_index(1, 0), "nm"),
+        (lambda: optics.hard_sphere_structure_factor(1, 0.7), "fraction"), (lambda: optics.henyey_greenstein(0, 1), "g")])
+    def test_limits(self, call, name):
+        with pytest.raises(aureole.Error, match=f"^{name}: expected"):
+            call()
+
+
 class TestStructureFactor:
     def test_definition(self):
         """1/S' = 1 + c with the three terms of Rosenfeld (1990), in Bessel functions of another making."""

@@ -197,3 +197,58 @@ def test_grains_by_name():
 def test_wrong_arguments_are_named(call, words):
     with pytest.raises(aureole.Error, match=words):
         call(pigment.Palette.load("kimera"))
+
+
+def test_fluxes_within_a_layer():
+    """The fluxes obey Kubelka and Munk's equations, and the ends are those of the layer and the substrate."""
+    k, s, thickness, substrate = 0.4, 2.0, 1.3, 0.25
+    free = pigment.layer(k, s, thickness)
+    x = np.linspace(0, thickness, 2001)
+    f = pigment.fluxes_within(k, s, thickness, substrate, x)
+    assert f.down[0] == pytest.approx(1)
+    assert f.up[0] == pytest.approx(free.reflectance + free.transmittance**2 * substrate / (1 - free.reflectance * substrate))
+    assert f.up[-1] == pytest.approx(substrate * f.down[-1])
+    np.testing.assert_allclose(np.gradient(f.down, x)[1:-1], (-(k + s) * f.down + s * f.up)[1:-1], atol=2e-5)
+    np.testing.assert_allclose(-np.gradient(f.up, x)[1:-1], (-(k + s) * f.up + s * f.down)[1:-1], atol=2e-5)
+    assert pigment.fluxes_within(k, s, [[1.0], [2.0]], 0, [0.1, 0.2]).up.shape == (2, 2)
+    with pytest.raises(aureole.Error, match="^depth: expected at most the thickness"):
+        pigment.fluxes_within(k, s, 1, 0, 1.5)
+
+
+def test_paint_from_its_grains():
+    """By hand: Mie's cross sections, the number of grains, and each convention."""
+    nm, radius, fraction, binder = np.array([450.0, 550.0, 650.0]), 0.12e-6, 0.1, 1.5
+    mie = aureole.optics.mie(2 * np.pi * radius * binder / (nm * 1e-9), (1.95 + 0.79j) / binder)
+    per_length = fraction / (4 / 3 * np.pi * radius**3) * np.pi * radius**2
+    sigma_s, sigma_a = per_length * mie.qsca, per_length * mie.qabs
+    for convention, s in (("three_quarters", 0.75 * sigma_s * (1 - mie.g)), ("double_gauss", sigma_s * (1 - 0.75 * mie.g)),
+                          ("diffusion", np.maximum(0.75 * sigma_s * (1 - mie.g) - sigma_a / 4, 0))):
+        paint = pigment.paint_of_grains(nm, "carbon black", radius, fraction=fraction, convention=convention)
+        np.testing.assert_allclose(paint.k, 2 * sigma_a, rtol=1e-9)
+        np.testing.assert_allclose(paint.s, s, atol=1e-9 * sigma_s.max())
+        k, unclipped = pigment.coefficients_of_transport(sigma_a, sigma_s, mie.g, convention=convention)
+        np.testing.assert_allclose(k, paint.k, rtol=1e-9)
+        np.testing.assert_allclose(np.maximum(unclipped, 0), s, atol=1e-9 * sigma_s.max())
+    given = pigment.paint_of_grains(nm, pigment.grain_index("carbon black", nm), radius, fraction=fraction, binder=[binder] * 3)
+    np.testing.assert_array_equal(given.k, pigment.paint_of_grains(nm, "carbon black", radius, fraction=fraction).k)
+    white = [pigment.paint_of_grains([550], "rutile", 0.11e-6, fraction=0.15, hard_spheres=dense, spread=0.2) for dense in (False, True)]
+    assert 0.5 < white[1].s[0] / white[0].s[0] < 0.95 and white[0].k[0] < 1e-9
+    assert white[0].reflectance()[0] == pytest.approx(1)
+
+
+@pytest.mark.parametrize("change, message", [
+    ({"nm": [650, 550]}, "^nm: expected increasing"), ({"index": "rutil"}, 'did you mean "rutile"'), ({"index": 1.5 - 0.1j}, "^index: expected n"),
+    ({"index": [1.5] * 4}, "^index: expected one number or 2"), ({"fraction": 0}, "^fraction: "), ({"fraction": 0.7, "hard_spheres": True}, "^fraction: "),
+    ({"binder": 0.5}, "^binder: "), ({"radius": 0}, "^radius: "), ({"radius": 1.0}, "size parameter"), ({"spread": 2}, "^spread: "),
+    ({"convention": "none"}, "^convention: "), ({"weighting": "mass"}, "^weighting: ")])
+def test_wrong_grains(change, message):
+    right = {"nm": [550, 650], "index": "rutile", "radius": 1e-7, "fraction": 0.1}
+    pigment.paint_of_grains(**right)
+    with pytest.raises(aureole.Error, match=message):
+        pigment.paint_of_grains(**{**right, **change})
+
+
+def test_grains_by_name():
+    assert "rutile" in pigment.grain_names() and "titanium white" in pigment.grain_names()
+    n = pigment.grain_index("Titanium White", [[500, 589.3]])
+    assert n.shape == (1, 2) and n[0, 1].real == pytest.approx((2 * 2.613 + 2.909) / 3, abs=4e-3)

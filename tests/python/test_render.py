@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rendering and pictures."""
+import pickle
 import signal
 import threading
 import time
@@ -194,3 +195,13 @@ def test_two_renders_at_once(scene, small_scene):
     for t in threads:
         t.join()
     assert all(np.array_equal(results[i], expected) for i in range(3))
+
+
+def test_a_picture_says_how_its_file_was_understood(tmp_path):
+    header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 1 +X 1\n"
+    (tmp_path / "bright.hdr").write_bytes(header.encode() + bytes([128, 128, 128, 129]))
+    image = aureole.read_image(tmp_path / "bright.hdr")
+    [note] = image.notes
+    assert note.startswith("values are divided by EXPOSURE") and image.array[0, 0, 0] == 0.5
+    assert pickle.loads(pickle.dumps(image)).notes == image.notes
+    assert aureole.Image(np.ones((2, 2))).notes == []

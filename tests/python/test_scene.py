@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loading, dicts, parameters by path."""
 import copy
+import re
 import time
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 import aureole
+from aureole._wording import in_python
 
 XML = """<scene version="3.0.0">
   <integrator type="path"><integer name="max_depth" value="4"/></integrator>
@@ -349,3 +351,109 @@ def test_many_objects_are_found_quickly(small_scene):
     scene = aureole.load_dict(small_scene)
     assert _seconds(scene.paths) < 2 and len(scene) > 20000
     assert _seconds(lambda: scene["ball4999.radius"]) < 1
+
+
+# -- the words of messages -----------------------------------------------------------------------------------
+
+
+def with_bsdf(scene, bsdf):
+    return {**scene, "ball": {**scene["ball"], "bsdf": bsdf}}
+
+
+#: What is wrong, the entry that the error names, and what the message tells to write.
+WRONG_ENTRIES = [
+    (lambda d: {**d, "length_unit": 3.0}, "length_unit", 'write "length_unit": "mm"'),
+    (lambda d: {**d, "energy_preserving": 1}, "energy_preserving", 'write "energy_preserving": True'),
+    (lambda d: {k: v for k, v in d.items() if k != "camera"}, "the dict", "the scene has no sensor"),
+    (lambda d: {**d, "copy": {"type": "instance"}}, "copy", 'write {"type": "ref", "id": "..."} with its id'),
+    (lambda d: with_bsdf(d, {"type": "correlated_scatterers", "radius": 5.0, "area_fraction": 0.3}), "ball.bsdf.radius",
+     'a physical length needs a unit: write "radius": "5um"'),
+    (lambda d: with_bsdf(d, {"type": "normalmap", "normalmap": {"type": "uniform", "value": 0.5}, "bsdf": {"type": "diffuse"}}),
+     "ball.bsdf.normalmap", '"raw": True'),
+    (lambda d: {**d, "camera": {**d["camera"], "film": {"type": "specfilm"}}}, "camera.film",
+     'such as "red": {"type": "spectrum", "value": [(560, 0), (610, 1), (660, 0)]}, or "bins"'),
+    (lambda d: {**d, "ball": {**d["ball"], "to_world": np.diag([1, 1, 0, 1])}}, "ball.to_world", "matrix is singular"),
+    (lambda d: {**d, "ball": {**d["ball"], "to_world": np.ones((4, 4))}}, "ball.to_world", "matrix: the last row must be 0 0 0 1"),
+    (lambda d: with_bsdf(d, {"type": "ref", "id": "nothing"}), "ball.bsdf", "nothing"),
+    (lambda d: {**d, "ball": {**d["ball"], "radius": "5um"}}, "ball.radius", "radius"),
+    (lambda d: {**d, "ball": {**d["ball"], "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [2, 0, 0]}}}},
+     "ball.bsdf.reflectance", "reflectance"),
+    (lambda d: with_bsdf(d, {"type": "diffuse", "reflectance": {"type": "spectrum", "value": [(0.4, 0.2), (0.7, 0.5)]}}),
+     "ball.bsdf.reflectance", 'if they are in um, write "0.4um" or {"type": "spectrum", "unit": "um", "value": ...}'),
+    (lambda d: with_bsdf(d, {"type": "diffuse", "reflectance": {"type": "spectrum", "value": [(0.4, 1)], "unit": 3}}),
+     "ball.bsdf.reflectance.unit", "expected a string, got int"),
+    (lambda d: {**d, "lengthunit": "mm"}, "lengthunit", 'did you mean "length_unit"'),
+]
+
+
+@pytest.mark.parametrize("change, place, message", WRONG_ENTRIES)
+def test_errors_of_dicts_speak_of_entries(small_scene, change, place, message):
+    [problem] = problems_of(lambda: aureole.load_dict(change(small_scene)))
+    assert problem.file == place and message in problem.message
+    assert "<" not in str(problem) and "/>" not in str(problem), problem
+
+
+def test_spectra_of_dicts_state_their_unit():
+    def reflectance(spectrum):
+        bsdf = aureole.load_dict({"type": "diffuse", "reflectance": {"type": "spectrum", **spectrum}})
+        return bsdf.eval([0, 0, 1], [0, 0, 1], [400.0, 500.0, 650.0])
+
+    expected = reflectance({"value": [(400, 0.2), (700, 0.5)]})
+    for other in ({"value": [(0.4, 0.2), (0.7, 0.5)], "unit": "um"}, {"value": "0.4um:0.2, 0.7um:0.5"}, {"value": "400:0.2, 700:0.5"}):
+        np.testing.assert_allclose(reflectance(other), expected, rtol=1e-6)
+
+
+def test_errors_of_files_speak_of_elements():
+    [problem] = problems_of(lambda: aureole.load_string(XML.replace("<integrator", '<float name="length_unit" value="3"/><integrator', 1)))
+    assert 'write <string name="length_unit" value="mm"/>' in problem.message
+
+
+def test_errors_of_changes_speak_of_entries(small_scene):
+    scatterers = {"type": "correlated_scatterers", "radius": "5um", "area_fraction": 0.3}
+    for scene in (aureole.load_dict(with_bsdf(small_scene, scatterers)), aureole.load_string(XML)):
+        with pytest.raises(aureole.SceneError, match='write "radius": "5um"') as error:
+            scene["ball.bsdf"] = {**scatterers, "radius": 5.0}
+        assert "<" not in str(error.value)
+
+
+def test_notes_of_dicts_name_entries(small_scene):
+    small_scene["lamp"] = {"type": "area", "radiance": 1.0}
+    small_scene["camera"]["far_clip"] = 2.0
+    notes = aureole.load_dict(small_scene).notes
+    assert "lamp: no shape uses this emitter: it has no effect" in notes
+    [clipped] = [n for n in notes if n.startswith("camera.far_clip: every shape lies beyond far_clip")]
+    assert "<dict>" not in "".join(notes)
+    rough = {"type": "roughdielectric", "alpha": 0.5}
+    fog = {"type": "homogeneous", "sigma_t": 10.0, "albedo": 0.99}
+    small_scene["ball"] = {"type": "sphere", "radius": 0.8, "bsdf": rough, "interior": fog}
+    assert any('loses none with "energy_preserving": True, which may also stand in the scene' in n
+               for n in aureole.load_dict(small_scene).notes)
+
+
+def test_errors_of_a_whole_scene_and_of_its_render_name_entries(small_scene):
+    far = {**small_scene["camera"], "to_world": aureole.Transform.translate([0, 0, 1e18])}
+    with pytest.raises(aureole.Error, match="^camera.to_world: "):
+        aureole.load_dict({**small_scene, "camera": far})
+    small_scene["integrator"] = {"type": "bdpt"}
+    small_scene["ball"] = {"type": "sphere", "bssrdf": {"type": "dipole", "sigma_t": 10.0, "albedo": 0.9}}
+    scene = aureole.load_dict(small_scene)
+    with pytest.raises(aureole.Error, match='^integrator: "bdpt" does not follow light below surfaces'):
+        aureole.render(scene, 16, progress=False)
+
+
+def test_no_message_of_the_reader_keeps_an_element():
+    """Every element that a literal of the sources holds, not those of examples, has words of Python."""
+    sources = Path(__file__).resolve().parents[2] / "src" / "aureole"
+    found = 0
+    for file in sources.rglob("*.cpp"):
+        if file.parent.name == "report":  # drawings
+            continue
+        text = re.sub(r'R"\(.*?\)"', '""', file.read_text(encoding="utf-8"), flags=re.DOTALL)
+        text = re.sub(r"(?m)^\s*//.*$|#include.*$", "", text)
+        text = re.sub(r'"\s*\n\s*"', "", text)  # literals over several lines
+        for literal in re.findall(r'"((?:[^"\\\n]|\\.)*)"', text):
+            message = literal.replace('\\"', '"')
+            if re.search(r"<[a-z]+[ />]", message) and not message.startswith(("<scene version", "<bsdf type", "<?xml")):
+                found += 1
+                assert not re.search(r"<[a-z]+( [^>]*)?/?>", in_python(message)), f"{file.name}: {message}"
+    assert found > 10

@@ -127,7 +127,9 @@ TEST(DiffractingShapes, BadScenesAreErrorsOrRemarks) {
         std::to_string(1e-6 * i) + R"("/></transform></shape>)";
   const auto notes_of = [](const std::string& shapes) {
     std::string notes;
-    for (const std::string& note : load(scene_of(shapes, "1mm")).notes) notes += note + "\n";
+    // The camera stands in the plane of the shapes, nearer than its near clip plane.
+    for (const std::string& note : load(scene_of(shapes, "1mm")).notes)
+      if (note.find("every shape lies before near_clip") == std::string::npos) notes += note + "\n";
     return notes;
   };
   EXPECT_NE(notes_of(wires).find("a beam of light holds up to"), std::string::npos) << notes_of(wires);

@@ -51,6 +51,24 @@ TEST(Spherical, RaysAndTheirInverse) {
   EXPECT_FALSE(sensor.eval({0, 0, 0}, {0, 0, 1}));  // this ray does not come from the camera
 }
 
+TEST(Spherical, NotesThatNothingIsBetweenItsClips) {
+  const auto notes = [](const char* clip) {
+    std::string all;
+    for (const std::string& note :
+         load_scene_from_string(
+             test::kHead + "<sensor type='spherical'><float name='" + clip +
+                 "'/></sensor><shape type='sphere'><point name='center' x='3' y='0' z='0'/></shape></scene>",
+             "test.xml")
+             .notes)
+      all += note + "\n";
+    return all;
+  };
+  EXPECT_EQ(notes("far_clip' value='2.1").find("the camera sees none"), std::string::npos);
+  EXPECT_NE(notes("far_clip' value='1.9").find("the camera sees none: their distances are 2 to "),
+            std::string::npos);
+  EXPECT_NE(notes("near_clip' value='9").find("the camera sees none"), std::string::npos);
+}
+
 TEST(Spherical, SeesTheEnvironmentMapAsItIs) {
   const test::TemporaryFolder folder;
   Image map;

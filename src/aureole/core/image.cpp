@@ -2,6 +2,7 @@
 #include "aureole/core/image.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -34,17 +35,38 @@ bool starts_with(codec::Bytes bytes, std::string_view signature) {
          std::memcmp(bytes.data(), signature.data(), signature.size()) == 0;
 }
 
-Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) {
+enum class Format { exr, png, jpeg, tiff, pfm, hdr, unknown };
+
+Format format_of(codec::Bytes b) {
   using namespace std::string_view_literals;
-  if (b.empty()) throw Error("the file is empty");
-  if (starts_with(b, "\x76\x2f\x31\x01"sv)) return codec::read_exr(b, attributes, max_pixels);
-  if (starts_with(b, "\x89PNG"sv)) return codec::read_png(b, max_pixels);
-  if (starts_with(b, "\xff\xd8\xff"sv)) return codec::read_jpeg(b, max_pixels);
+  if (starts_with(b, "\x76\x2f\x31\x01"sv)) return Format::exr;
+  if (starts_with(b, "\x89PNG"sv)) return Format::png;
+  if (starts_with(b, "\xff\xd8\xff"sv)) return Format::jpeg;
   for (const auto signature : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
-    if (starts_with(b, signature)) return codec::read_tiff(b, attributes, max_pixels);
+    if (starts_with(b, signature)) return Format::tiff;
   for (const auto signature : {"PF\n"sv, "Pf\n"sv, "PF\r"sv, "Pf\r"sv, "PF "sv, "Pf "sv})
-    if (starts_with(b, signature)) return codec::read_pfm(b, max_pixels);
-  if (starts_with(b, "#?"sv)) return codec::read_hdr(b, max_pixels);
+    if (starts_with(b, signature)) return Format::pfm;
+  return starts_with(b, "#?"sv) ? Format::hdr : Format::unknown;
+}
+
+Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) {
+  if (b.empty()) throw Error("the file is empty");
+  switch (format_of(b)) {
+    case Format::exr:
+      return codec::read_exr(b, attributes, max_pixels);
+    case Format::png:
+      return codec::read_png(b, max_pixels);
+    case Format::jpeg:
+      return codec::read_jpeg(b, max_pixels);
+    case Format::tiff:
+      return codec::read_tiff(b, attributes, max_pixels);
+    case Format::pfm:
+      return codec::read_pfm(b, max_pixels);
+    case Format::hdr:
+      return codec::read_hdr(b, max_pixels);
+    case Format::unknown:
+      break;
+  }
   return codec::read_tga_bmp(b, max_pixels);
 }
 
@@ -77,6 +99,15 @@ void write_encoded(const std::filesystem::path& file, const Encode& encode) {
 int Image::channel(const std::string& name) const {
   const auto found = std::find(channels.begin(), channels.end(), name);
   return found == channels.end() ? -1 : int(found - channels.begin());
+}
+
+bool is_image_file(const std::filesystem::path& file) {
+  InputFile input(file);
+  unsigned char first[4] = {};
+  input.read(first, std::min<std::uint64_t>(input.size(), sizeof first));
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return format_of(first) != Format::unknown || extension == ".tga" || extension == ".bmp";
 }
 
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, std::size_t max_pixels,

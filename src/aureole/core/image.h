@@ -31,6 +31,8 @@ struct Image {
   std::optional<ColorConversion> conversion{};
   /// How the file was understood where that is not obvious, such as "the first of 12 pages is read".
   std::vector<std::string> notes{};
+  std::string format{};     ///< of the file it was read from, such as "PNG, 8 bits per channel"
+  std::string primaries{};  ///< that the file states, in words; empty if it states none
 
   std::size_t channel_count() const { return channels.size(); }
   float& at(int x, int y, std::size_t c) {
@@ -59,6 +61,10 @@ enum class ImageColors { srgb, stored };
 /// names the file and the problem (missing, truncated, unknown format, more than `max_pixels`).
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes = nullptr,
                  std::size_t max_pixels = std::size_t(1) << 30, ImageColors colors = ImageColors::srgb);
+
+/// Returns whether the content of a file begins as that of an image; TGA, which has no signature, and BMP are told by
+/// their extension. Throws Error if the file cannot be read.
+bool is_image_file(const std::filesystem::path& file);
 
 enum class ExrPixel { half, float32 };
 

@@ -84,11 +84,13 @@ std::string text(const Imath::V2f& v) { return fmt::format("({:.4g}, {:.4g})", v
 void read_chromaticities(const Imf::Header& header, Image& image) {
   if (!Imf::hasChromaticities(header)) return;
   const Imf::Chromaticities stored = Imf::chromaticities(header), srgb;
+  image.primaries = "sRGB";
   if (is_near(stored.red, srgb.red) && is_near(stored.green, srgb.green) && is_near(stored.blue, srgb.blue) &&
       is_near(stored.white, srgb.white))
     return;
   const std::string names = fmt::format("red {}, green {}, blue {}, white {}", text(stored.red),
                                         text(stored.green), text(stored.blue), text(stored.white));
+  image.primaries = names;
   // Row vectors are multiplied from the left.
   const Imath::M44f m = Imf::RGBtoXYZ(stored, 1) * Imf::XYZtoRGB(srgb, 1);
   std::array<float, 9> rows;
@@ -114,6 +116,21 @@ void read_notes(const Imf::Header& header, int parts, Image& image) {
         "x {} at ({}, {})",
         image.width, image.height, data.min.x, data.min.y, display.size().x + 1, display.size().y + 1,
         display.min.x, display.min.y));
+}
+
+/// The sample types of the channels and the compression, in words.
+std::string format_text(const Imf::Header& header) {
+  std::string types;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    const char* type = c.channel().type == Imf::HALF    ? "16-bit float"
+                       : c.channel().type == Imf::FLOAT ? "32-bit float"
+                                                        : "32-bit integer";
+    if (types.find(type) == std::string::npos) types += (types.empty() ? "" : " and ") + std::string(type);
+  }
+  constexpr const char* kNames[] = {"no",    "RLE", "ZIPS", "ZIP",  "PIZ",
+                                    "PXR24", "B44", "B44A", "DWAA", "DWAB"};
+  const auto method = std::size_t(header.compression());
+  return "EXR, " + types + ", " + (method < std::size(kNames) ? kNames[method] : "unknown") + " compression";
 }
 
 }  // namespace
@@ -142,6 +159,7 @@ Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) t
   file.setFrameBuffer(frame);
   file.readPixels(window.min.y, window.max.y);
   if (attributes) read_attributes(header, *attributes);
+  image.format = format_text(header);
   read_notes(header, parts, image);
   return image;
 } catch (const Error&) {

@@ -323,6 +323,9 @@ Image read_hdr(Bytes bytes, std::size_t max_pixels) {
   }
   image = reoriented(std::move(image), header.orientation);
   image.conversion = conversion(header);
+  image.format = header.xyz ? "Radiance HDR, XYZE (8-bit mantissas, a common exponent)"
+                            : "Radiance HDR, RGBE (8-bit mantissas, a common exponent)";
+  if (header.primaries) image.primaries = fmt::format("{:.4g}", fmt::join(*header.primaries, " "));
   return image;
 }
 

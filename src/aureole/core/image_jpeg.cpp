@@ -84,13 +84,15 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   s.data.resize(std::size_t(width) * height * components);
   check(read_rows(s));
   const auto* v = s.data.data();
-  if (components != 4)
-    return make_image(width, height, components, true, [&](std::size_t i) { return float(v[i]) / 255; });
   // Four-ink (CMYK) files store inverted values, as Adobe's programs do.
-  return make_image(width, height, 3, true, [&](std::size_t i) {
-    const unsigned char* pixel = v + i / 3 * 4;
-    return float(pixel[i % 3]) * float(pixel[3]) / (255.f * 255.f);
-  });
+  Image image = components != 4 ? make_image(width, height, components, true,
+                                             [&](std::size_t i) { return float(v[i]) / 255; })
+                                : make_image(width, height, 3, true, [&](std::size_t i) {
+                                    const unsigned char* pixel = v + i / 3 * 4;
+                                    return float(pixel[i % 3]) * float(pixel[3]) / (255.f * 255.f);
+                                  });
+  image.format = components == 4 ? "JPEG, 8 bits per channel, four inks (CMYK)" : "JPEG, 8 bits per channel";
+  return image;
 }
 
 }  // namespace aureole::codec

@@ -61,6 +61,7 @@ Image read_pfm(Bytes bytes, std::size_t max_pixels) {
   Image image;
   image.width = int(width), image.height = int(height);
   image.channels = channel_names(channels);
+  image.format = "PFM, 32-bit float";
   image.pixels.resize(row * std::size_t(height));
   const float factor = float(std::abs(scale));
   for_rows(image.width, image.height, [&](std::size_t begin, std::size_t end) {

@@ -113,13 +113,13 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
   check_size(s.width, s.height, s.channels, max_pixels, bytes.size(), 1032 * 8);
   point_rows(s, png_get_rowbytes(s.png, s.info));
   if (!read_rows(s)) throw Error(std::string("damaged PNG: ") + s.message);
-  if (s.bits == 16) {
-    const auto* v = reinterpret_cast<const std::uint16_t*>(s.data.data());
-    return make_image(s.width, s.height, s.channels, true,
-                      [&](std::size_t i) { return float(v[i]) / 65535; });
-  }
-  return make_image(s.width, s.height, s.channels, true,
-                    [&](std::size_t i) { return float(s.data[i]) / 255; });
+  const auto* v = reinterpret_cast<const std::uint16_t*>(s.data.data());
+  Image image = s.bits == 16 ? make_image(s.width, s.height, s.channels, true,
+                                          [&](std::size_t i) { return float(v[i]) / 65535; })
+                             : make_image(s.width, s.height, s.channels, true,
+                                          [&](std::size_t i) { return float(s.data[i]) / 255; });
+  image.format = "PNG, " + std::to_string(s.bits) + " bits per channel";
+  return image;
 }
 
 std::vector<char> encode_png(const Image& image) {

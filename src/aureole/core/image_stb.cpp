@@ -118,8 +118,11 @@ Image read_tga_bmp(Bytes bytes, std::size_t max_pixels) {
   const unsigned char* const raw =
       stbi_load_from_callbacks(&kCallbacks, &feed, &width, &height, &channels, 0);
   if (!raw) throw Error(std::string("damaged image: ") + stbi_failure_reason());
-  return make_image(width, height, channels, true,
-                    [&](std::size_t i) { return float(raw[i]) * (1 / 255.f); });
+  Image image =
+      make_image(width, height, channels, true, [&](std::size_t i) { return float(raw[i]) * (1 / 255.f); });
+  image.format = bytes.size() > 1 && bytes[0] == 'B' && bytes[1] == 'M' ? "BMP, 8 bits per channel"
+                                                                        : "TGA, 8 bits per channel";
+  return image;
 }
 
 }  // namespace aureole::codec

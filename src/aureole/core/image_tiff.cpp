@@ -211,6 +211,11 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
                 std::to_string(l.format) + ", photometric interpretation " + std::to_string(l.photometric) +
                 " are not supported; unsigned and signed integers and floats of grey and RGB are");
   }
+  image.format = "TIFF, " + std::to_string(l.bits) +
+                 (real        ? "-bit float"
+                  : is_signed ? "-bit signed integer"
+                              : "-bit integer") +
+                 (logarithmic ? ", logarithmic" : "");
   if (const int pages = page_count(tiff.get()); pages > 1)
     image.notes.push_back("the first of " + std::to_string(pages) + " pages of the TIFF is read");
   return image;

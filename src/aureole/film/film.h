@@ -38,6 +38,8 @@ public:
 
   /// Names of the channels of the developed picture, with alpha last if requested.
   virtual std::vector<std::string> channel_names() const = 0;
+  /// For each of `channel_names` the quantity in words, with its unit, for the headers of pictures.
+  virtual std::vector<std::string> channel_meanings() const = 0;
   /// Computes one pixel of the picture from mean measured values and alpha. It is linear, so that variances
   /// of replicates are meaningful.
   virtual void develop(const double* measured, double alpha, float* out) const = 0;

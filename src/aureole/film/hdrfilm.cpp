@@ -73,6 +73,18 @@ public:
     return names;
   }
 
+  std::vector<std::string> channel_meanings() const override {
+    std::vector<std::string> meanings;
+    for (const std::string& name : channel_names())
+      meanings.push_back(
+          name == "A"          ? "alpha: 1 where shapes or a visible environment are, 0 where nothing is"
+          : uniform_           ? "mean over the film's wavelengths of what the sensor measures"
+          : kind_ == Kind::rgb ? "linear sRGB, scene-referred; 1, 1, 1 has luminance 1"
+          : kind_ == Kind::luminance ? "luminance; 1 for a flat spectrum of radiance 1"
+                                     : "CIE 1931 XYZ; Y is 1 for a flat spectrum of radiance 1");
+    return meanings;
+  }
+
   void develop(const double* m, double alpha, float* out) const override {
     int n = 1;
     if (uniform_) {

@@ -148,6 +148,16 @@ public:
     for (const Band& b : bands_) names.push_back(b.name);
     return names;
   }
+  std::vector<std::string> channel_meanings() const override {
+    std::vector<std::string> meanings;
+    if (has_bins_ && preview_) meanings.assign(3, "preview: colour of the spectrum, linear sRGB");
+    for (int i = 0; has_bins_ && i < bins_.count(); ++i)
+      meanings.push_back(fmt::format("mean spectral radiance from {:.6g} to {:.6g} nm, W/(m^2 sr nm)",
+                                     bins_.lower(i), bins_.upper(i)));
+    for (std::size_t i = 0; i < bands_.size(); ++i)
+      meanings.emplace_back("integral of response times spectral radiance over nm, W/(m^2 sr)");
+    return meanings;
+  }
   void develop(const double* m, double, float* out) const override {
     if (has_bins_ && preview_) {
       develop_rgb(m, out);

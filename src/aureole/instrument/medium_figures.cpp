@@ -6,6 +6,7 @@
 
 #include "aureole/core/parallel.h"
 #include "aureole/math/vec.h"
+#include "aureole/optics/medium/absorption.h"
 #include "aureole/phase/mean_cosine.h"
 #include "aureole/spectrum/observer.h"
 
@@ -23,7 +24,17 @@ Wavelengths group(const SpectralGrid& grid, std::span<const double> nm, std::siz
 
 }  // namespace
 
-double MediumFigures::transmittance(double length) const { return std::exp(-extinction() * length); }
+double MediumFigures::transmittance(double length) const {
+  return optics::transmittance(extinction(), length);
+}
+
+// Absorbances are proportional to the coefficients. The transmittance of an opaque medium would be rounded to 0.
+double MediumFigures::absorbance(double length) const {
+  return absorption / optics::absorption_of_decadic(1, length);
+}
+double MediumFigures::optical_density(double length) const {
+  return extinction() / optics::absorption_of_decadic(1, length);
+}
 
 std::vector<MediumFigures> measure_medium(const Medium& medium, std::span<const double> nm, const Vec3& p,
                                           const Vec3& d) {

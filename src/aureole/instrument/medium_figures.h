@@ -21,6 +21,9 @@ struct MediumFigures {
   double mean_free_path() const { return 1 / extinction(); }  ///< [m]; infinite for zero extinction
   /// Fraction of light neither absorbed nor scattered over `length` [m].
   double transmittance(double length) const;
+  /// Decadic absorbances lg(1/T) over `length` [m], by absorption alone and by extinction (optical density).
+  double absorbance(double length) const;
+  double optical_density(double length) const;
 };
 
 /// Measures at a world point, for light along the unit vector `d`; `nm` must be within the scene's range.

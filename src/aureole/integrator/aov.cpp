@@ -17,22 +17,35 @@ struct KindName {
   const char* name;
   Kind kind;
   std::string_view channels;  ///< one letter each
+  const char* meaning;        ///< with its unit
 };
 constexpr KindName kKinds[] = {
-    {"albedo", Kind::albedo, "RGB"},         {"depth", Kind::depth, "T"},
-    {"position", Kind::position, "XYZ"},     {"uv", Kind::uv, "UV"},
-    {"geo_normal", Kind::geo_normal, "XYZ"}, {"sh_normal", Kind::sh_normal, "XYZ"},
-    {"dp_du", Kind::dp_du, "XYZ"},           {"dp_dv", Kind::dp_dv, "XYZ"},
-    {"prim_index", Kind::prim_index, "I"},   {"shape_index", Kind::shape_index, "I"}};
+    {"albedo", Kind::albedo, "RGB", "diffuse reflectance under D65, linear sRGB"},
+    {"depth", Kind::depth, "T", "distance along the ray from the near clip plane, scene units"},
+    {"position", Kind::position, "XYZ", "position in the world, scene units"},
+    {"uv", Kind::uv, "UV", "texture coordinate"},
+    {"geo_normal", Kind::geo_normal, "XYZ", "normal of the geometry in the world, unit vector"},
+    {"sh_normal", Kind::sh_normal, "XYZ", "shading normal in the world, unit vector"},
+    {"dp_du", Kind::dp_du, "XYZ", "derivative of the position by u, scene units"},
+    {"dp_dv", Kind::dp_dv, "XYZ", "derivative of the position by v, scene units"},
+    {"prim_index", Kind::prim_index, "I", "number of the primitive in its shape, from 0"},
+    {"shape_index", Kind::shape_index, "I", "number of the shape in the scene, from 1; 0: none"}};
 
 class AovIntegrator final : public Integrator {
 public:
   explicit AovIntegrator(const Properties& p)
       : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
     for (const NestedIntegrator& n : nested_)
-      for (const char* c : {".R", ".G", ".B", ".A"}) names_.push_back(n.name + c);
+      for (const char* c : {".R", ".G", ".B", ".A"}) {
+        names_.push_back(n.name + c);
+        meanings_.push_back((c[1] == 'A' ? "alpha" : "colour in linear sRGB") +
+                            (" of the integrator " + n.name));
+      }
     for (const NestedIntegrator& n : nested_)
-      for (const std::string& name : n.channels) names_.push_back(n.name + "." + name);
+      for (std::size_t i = 0; i < n.channels.size(); ++i) {
+        names_.push_back(n.name + "." + n.channels[i]);
+        meanings_.push_back(n.meanings[i]);
+      }
     const std::string text = p.get_string("aovs");
     constexpr const char* kSeparators = ", \t\r\n";
     for (size_t at = text.find_first_not_of(kSeparators); at != std::string::npos;) {
@@ -45,6 +58,7 @@ public:
   }
 
   std::vector<std::string> aov_names() const override { return names_; }
+  std::vector<std::string> aov_meanings() const override { return meanings_; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
@@ -92,7 +106,10 @@ private:
     }
     kinds_.push_back(found->kind);
     needs_derivatives_ |= found->kind == Kind::dp_du || found->kind == Kind::dp_dv;
-    for (const char c : found->channels) names_.push_back(name + "." + c);
+    for (const char c : found->channels) {
+      names_.push_back(name + "." + c);
+      meanings_.emplace_back(found->meaning);
+    }
   }
 
   // Order of the channels, as in Mitsuba: the colours of all nested integrators, their own AOVs, the surface.
@@ -157,7 +174,7 @@ private:
   std::vector<NestedIntegrator> nested_;
   ColourMeter meter_;
   std::vector<Kind> kinds_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, meanings_;
   bool needs_derivatives_ = false;
 };
 
@@ -173,7 +190,7 @@ AUREOLE_PLUGIN(
         "every nested integrator of name N adds N.R, N.G, N.B, N.A (N is _arg_0, _arg_1, ... without a name) "
         "and its own further channels. Albedo is the diffuse reflectance as linear sRGB under D65: an <rgb> "
         "reflectance as the scene has it, black for mirrors and glass. Depth is the distance along the ray "
-        "from the near clipping plane. Indices count primitives of a shape from 0 and shapes of the scene "
+        "from the near clip plane, in scene units; positions and their derivatives are in scene units, too. Indices count primitives of a shape from 0 and shapes of the scene "
         "from "
         "1. `component_format` float32 keeps positions and indices from being rounded to half floats.",
         "",

@@ -22,9 +22,9 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::strin
                                "\" follows light paths, which belong to no "
                                "pixel: it can't be nested in \"" +
                                p.type() + "\"");
-    std::vector<std::string> channels = integrator->aov_names();
+    std::vector<std::string> channels = integrator->aov_names(), meanings = integrator->aov_meanings();
     nested.push_back({e.name.empty() ? "_arg_" + std::to_string(unnamed++) : e.name, std::move(integrator),
-                      std::move(channels)});
+                      std::move(channels), std::move(meanings)});
   }
   return nested;
 }

@@ -16,6 +16,7 @@ struct NestedIntegrator {
   std::string name;  ///< as Mitsuba names its channels: its own, or "_arg_0", "_arg_1", ... of unnamed ones
   std::shared_ptr<const Integrator> integrator;
   std::vector<std::string> channels;  ///< its own further ones
+  std::vector<std::string> meanings;  ///< of `channels`, as `Integrator::aov_meanings`
 };
 
 /// All nested integrators, in order; `documented_name` is their row of the parameter table. Throws a located

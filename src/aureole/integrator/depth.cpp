@@ -29,9 +29,10 @@ public:
 AUREOLE_PLUGIN(
     DepthIntegrator, "integrator", "depth",
     PluginDoc{
-        "The distance along the ray from the near clipping plane to the nearest surface in scene units, 0 "
-        "where "
-        "there is none, as a flat spectral radiance: Y, or any channel with `response` \"uniform\", is the "
+        "The distance along the ray, not along the axis of the camera, from the near clip plane to the nearest "
+        "surface in scene units; 0, with alpha 0, where there is no surface before the far clip plane. From the "
+        "camera itself it is longer by near_clip over the cosine between ray and axis. It is stored as a flat "
+        "spectral radiance: Y, or any channel with `response` \"uniform\", is the "
         "distance; R, G and B have the tint of a flat spectrum. The channel `depth` of `aov` is the distance "
         "itself.",
         "",

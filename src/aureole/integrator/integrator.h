@@ -52,6 +52,8 @@ public:
   /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
   /// paths belong to no pixel.
   virtual std::vector<std::string> aov_names() const { return {}; }
+  /// For each of `aov_names` the quantity in words, with its unit, for the headers of pictures.
+  virtual std::vector<std::string> aov_meanings() const { return {}; }
 };
 
 }  // namespace aureole

@@ -15,15 +15,25 @@ public:
       : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
     if (nested_.empty()) throw p.error("integrator", "needs a nested integrator");
     for (const NestedIntegrator& n : nested_) {
-      for (const std::string& name : n.channels) names_.push_back(n.name + "." + name);
-      for (const char* c : {".X", ".Y", ".Z"}) names_.push_back(n.name + c);
+      for (size_t i = 0; i < n.channels.size(); ++i) {
+        names_.push_back(n.name + "." + n.channels[i]);
+        meanings_.push_back(n.meanings[i]);
+      }
+      for (const char* c : {".X", ".Y", ".Z"}) {
+        names_.push_back(n.name + c);
+        meanings_.push_back("CIE XYZ of the integrator " + n.name);
+      }
     }
     first_moments_ = names_.size();
-    for (size_t i = 0; i < first_moments_; ++i) names_.push_back("m2_" + names_[i]);
+    for (size_t i = 0; i < first_moments_; ++i) {
+      meanings_.push_back("mean of the squares of the samples of " + names_[i]);
+      names_.push_back("m2_" + names_[i]);
+    }
     require_distinct(p, "integrator", names_);
   }
 
   std::vector<std::string> aov_names() const override { return names_; }
+  std::vector<std::string> aov_meanings() const override { return meanings_; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
@@ -55,7 +65,7 @@ private:
 
   std::vector<NestedIntegrator> nested_;
   ColourMeter meter_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, meanings_;
   size_t first_moments_;
 };
 

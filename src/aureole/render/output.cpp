@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "aureole/core/error.h"
 #include "aureole/render/sample_density.h"
@@ -44,6 +45,21 @@ void require_format(const Development& development, int replicates, const std::f
                 fmt::format("{}", fmt::join(names, ", ")) + ")");
 }
 
+std::string channels_attribute(const std::vector<std::string>& names,
+                               const std::vector<std::string>& meanings) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), meanings.size()); ++i)
+    text += names[i] + ": " + meanings[i] + "\n";
+  return text;
+}
+
+std::string channel_meaning(const std::string& attribute, const std::string& channel) {
+  std::istringstream lines(attribute);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(channel + ": ")) return line.substr(channel.size() + 2);
+  return {};
+}
+
 void write_picture(const RenderState& s, const Image& picture, const std::filesystem::path& file) {
   ExrAttributes a;
   a.strings["aureole:scene"] = s.identity.scene;
@@ -55,6 +71,8 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
   a.strings["aureole:samples"] = fmt::format("{}:{}", s.begin, s.end);
   a.strings["aureole:adaptive"] = s.identity.adaptive;
   a.floats["aureole:mean_density"] = float(mean_density(s.density));
+  if (!s.development.meanings.empty())
+    a.strings[kChannelsAttribute] = channels_attribute(s.development.names, s.development.meanings);
   a.integers["aureole:spp"] = int(s.samples_everywhere());
   a.integers["aureole:replicates"] = s.identity.replicates;
   a.integers["aureole:wavelengths"] = s.identity.wavelengths;

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "aureole/render/state.h"
 #include "aureole/render/tone.h"
@@ -22,6 +24,13 @@ void write_pictures(const RenderState& state, const std::filesystem::path& file,
 
 /// Writes `picture`, which was developed from `state`, with the state's metadata and without a PNG.
 void write_picture(const RenderState& state, const Image& picture, const std::filesystem::path& file);
+
+/// The string attribute of an EXR header that says what its channels hold: a line "name: meaning" for each.
+inline constexpr const char* kChannelsAttribute = "aureole:channels";
+std::string channels_attribute(const std::vector<std::string>& names,
+                               const std::vector<std::string>& meanings);
+/// Returns the meaning of a channel from that attribute; empty if it has none.
+std::string channel_meaning(const std::string& attribute, const std::string& channel);
 
 /// Writes only the PNG.
 void write_preview(const RenderState& state, const std::filesystem::path& exr_file,

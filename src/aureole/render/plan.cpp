@@ -72,7 +72,8 @@ void require_memory(const Film& film, const PictureIdentity& id, const RenderOpt
 
 }  // namespace
 
-Development development_of(const Film& film, const std::vector<std::string>& aovs) {
+Development development_of(const Film& film, const std::vector<std::string>& aovs,
+                           const std::vector<std::string>& aov_meanings) {
   Development d;
   d.names = film.channel_names();
   d.half = film.pixel_type() == ExrPixel::half;
@@ -92,6 +93,8 @@ Development development_of(const Film& film, const std::vector<std::string>& aov
     for (size_t c = 0; c < 3; ++c) d.rgb_rows[c][k] = rgb[c];
   }
   d.names.insert(d.names.begin() + std::ptrdiff_t(own_rows), aovs.begin(), aovs.end());
+  d.meanings = film.channel_meanings();
+  d.meanings.insert(d.meanings.begin() + std::ptrdiff_t(own_rows), aov_meanings.begin(), aov_meanings.end());
   for (size_t k = 0; k < aovs.size(); ++k) d.rows[own_rows + k][channels + k] = 1;
   return d;
 }
@@ -122,7 +125,8 @@ RenderState planned_state(const LoadedScene& loaded, const RenderOptions& option
   id.splat_channels = integrator.leaves() == Integrator::Leaves::both ? film.measured_channels() : 0;
   id.replicates = options.replicates;
   require_memory(film, id, options, end);
-  return RenderState(std::move(id), development_of(film, aovs), options.begin, end);
+  return RenderState(std::move(id), development_of(film, aovs, integrator.aov_meanings()), options.begin,
+                     end);
 }
 
 }  // namespace aureole

@@ -32,6 +32,7 @@ struct RenderOptions {
 RenderState planned_state(const LoadedScene& loaded, const RenderOptions& options);
 
 /// The film's linear map from measured values to channels, as matrices; AOVs are stored unchanged.
-Development development_of(const Film& film, const std::vector<std::string>& aovs = {});
+Development development_of(const Film& film, const std::vector<std::string>& aovs = {},
+                           const std::vector<std::string>& aov_meanings = {});
 
 }  // namespace aureole

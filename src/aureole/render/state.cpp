@@ -54,6 +54,7 @@ nlohmann::json header_of(const RenderState& s) {
           {"splat_channels", i.splat_channels},
           {"replicates", i.replicates},
           {"names", s.development.names},
+          {"meanings", s.development.meanings},
           {"rows", s.development.rows},
           {"rgb_rows", s.development.rgb_rows},
           {"half", s.development.half},
@@ -208,7 +209,8 @@ bool fits(const Development& d, const PictureIdentity& id) {
   // A channel without a row, the last, is alpha.
   const bool names =
       !d.names.empty() && (d.rows.size() == d.names.size() || d.rows.size() + 1 == d.names.size());
-  return names && d.rgb_rows.size() == 3 && std::all_of(d.rows.begin(), d.rows.end(), has_channels) &&
+  return names && (d.meanings.empty() || d.meanings.size() == d.names.size()) && d.rgb_rows.size() == 3 &&
+         std::all_of(d.rows.begin(), d.rows.end(), has_channels) &&
          std::all_of(d.rgb_rows.begin(), d.rgb_rows.end(), has_channels);
 }
 
@@ -247,6 +249,7 @@ RenderState RenderState::from_bytes(std::span<const char> bytes, const SourceLoc
     id.splat_channels = j.value("splat_channels", 0);
     Development d;
     d.names = j.at("names").get<std::vector<std::string>>();
+    d.meanings = j.value("meanings", std::vector<std::string>());
     d.rows = j.at("rows").get<std::vector<std::vector<float>>>();
     d.rgb_rows = j.at("rgb_rows").get<std::vector<std::vector<float>>>();
     d.half = j.at("half");

@@ -36,7 +36,8 @@ struct PictureIdentity {
 
 /// The linear map from measured values to the channels of a picture, stored in state files.
 struct Development {
-  std::vector<std::string> names;            ///< channels, with "A" last if alpha is stored
+  std::vector<std::string> names;     ///< channels, with "A" last if alpha is stored
+  std::vector<std::string> meanings;  ///< per channel: the quantity in words; empty in states of old versions
   std::vector<std::vector<float>> rows;      ///< per channel: factors of the measured channels
   std::vector<std::vector<float>> rgb_rows;  ///< linear sRGB for previews
   bool half = true;

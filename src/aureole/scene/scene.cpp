@@ -96,6 +96,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
   sensor_ = PlacedSensor::of(*parts_.sensor, parts_.sensor_area, center, radius);
   place_sensor(places);
+  note_clipping();
   check_sensor_medium();
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
@@ -113,6 +114,17 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
 
 DiffractionInput Scene::diffraction_input() const {
   return {parts_, surfaces_, emitters_, lights_, sensor_, has_binary_visibility()};
+}
+
+void Scene::note_clipping() {
+  std::vector<Bounds3> boxes;
+  for (const Primitive& part : parts_.surfaces) boxes.push_back(part.bounds());
+  const auto add = [&](const PlacedSensor& sensor) {
+    if (std::string note = sensor.sensor->clipping_note(boxes); !note.empty())
+      notes_.push_back(std::move(note));
+  };
+  add(sensor_);
+  for (const PlacedSensor& member : sensor_.members) add(member);
 }
 
 void Scene::place_sensor(Bounds3 places) const {

@@ -101,6 +101,8 @@ private:
   /// Throws Error if the sensor's rays cannot be traced. `places` is the bounding box of the objects in the
   /// scene.
   void place_sensor(Bounds3 places) const;
+  /// Adds a note for each camera whose clip planes hide all shapes.
+  void note_clipping();
   void make_lights();
   void make_surfaces();
   void find_media();

@@ -32,6 +32,10 @@ public:
     at.pixels_per_area = 1 / std::abs(dot(cross(pixel_x, pixel_y), direction_));
   }
 
+  std::string clipping_note(std::span<const Bounds3> shapes) const override {
+    return clip_.note(properties(), to_camera_, shapes, clip_.near + (clip_.far - clip_.near) / axis_length_);
+  }
+
   /// The ray direction is fixed: a point has one film position, whatever its distance.
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2) const override {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/sensor/projection.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +16,36 @@ ClipPlanes::ClipPlanes(const Properties& p) {
   near = float(std::clamp(p.get_float("near_clip", 1e-2, Range::positive()), 1e-12, 1e12));
   far = float(std::clamp(p.get_float("far_clip", 1e4, Range::positive()), 1e-12, 1e18));
   if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
+}
+
+std::string ClipPlanes::note(const Properties& p, const Transform& to_camera, std::span<const Bounds3> boxes,
+                             double far_z) const {
+  bool any_far = false, any_near = false;
+  float first = kInfinity, last = -kInfinity;  // along the axis
+  for (const Bounds3& box : boxes) {
+    float low = kInfinity, high = -kInfinity;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 q{corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
+                   corner & 4 ? box.upper.z : box.lower.z};
+      const float z = to_camera.point(q).z;
+      low = std::min(low, z), high = std::max(high, z);
+    }
+    if (!(high < near || double(low) > far_z)) return {};
+    (high < near ? any_near : any_far) = true;
+    first = std::min(first, low), last = std::max(last, high);
+  }
+  if (boxes.empty()) return {};
+  const char* name = any_far ? "far_clip" : "near_clip";
+  const Properties::Entry* e = p.find(name);
+  return fmt::format(
+      "{}: every shape lies {}, so that the camera sees none: along its axis they reach from {:.4g} to {:.4g}, the "
+      "near plane is at {:.4g} and the far plane at {:.4g}",
+      (e ? e->where : p.where()).str(),
+      any_far && any_near ? "before near_clip or beyond far_clip"
+      : any_far           ? "beyond far_clip"
+      : last < 0          ? "behind the camera"
+                          : "before near_clip",
+      first, last, near, far_z);
 }
 
 Transform rigid_transform(const Properties& p) {
@@ -109,10 +141,15 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
 }
 
 std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"near_clip", "float", "scene units", "0.01",
-                 "distance of the near clip plane: nothing nearer is visible"});
-  own.push_back({"far_clip", "float", "scene units", "10000",
-                 "distance of the far clip plane: nothing farther is visible"});
+  own.push_back(
+      {"near_clip", "float", "scene units", "0.01",
+       "distance of the near clip plane from the camera, measured along its axis and not along the ray: nothing "
+       "nearer is visible"});
+  own.push_back(
+      {"far_clip", "float", "scene units", "10000",
+       "distance of the far clip plane from the camera, measured along its axis: nothing farther is visible. "
+       "A pixel that meets no shape between the planes has the light of the environment (alpha 1), or is "
+       "black (alpha 0)"});
   return own;
 }
 

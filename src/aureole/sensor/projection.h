@@ -3,6 +3,8 @@
 // radius 0.
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include "aureole/plugin/field_of_view.h"
@@ -15,6 +17,11 @@ namespace aureole {
 struct ClipPlanes {
   float near = 1e-2f, far = 1e4f;
   explicit ClipPlanes(const Properties& properties);
+
+  /// Returns a located note if none of the boxes in the world reaches between the planes, else an empty string.
+  /// The farther plane is at `far_z` of camera space.
+  std::string note(const Properties& properties, const Transform& to_camera, std::span<const Bounds3> boxes,
+                   double far_z) const;
 };
 
 /// Returns the parameter `to_world` of a camera. Throws Error if it scales.
@@ -31,6 +38,9 @@ public:
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
                                      std::optional<Vec2> seen) const override;
   void fit(PlacedSensor& at) const override;
+  std::string clipping_note(std::span<const Bounds3> shapes) const override {
+    return clip_.note(properties(), to_camera_, shapes, clip_.far);
+  }
 
 protected:
   explicit LensCamera(const Properties& properties);

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string>
 
 #include "aureole/film/film.h"
 #include "aureole/medium/medium.h"
@@ -136,6 +138,8 @@ public:
   virtual void check_shape(const ShapeArea& area) const;
   /// Throws Error if the sensor cannot fill that part of a batch's film instead of its own film.
   virtual void check_in_batch(const FilmPart& part) const;
+  /// Returns a located note if the clip planes hide all of the shapes, given by their bounds, else an empty string.
+  virtual std::string clipping_note(std::span<const Bounds3> /*shapes*/) const { return {}; }
   /// Fills the derived members of the record. Throws Error if the sensor cannot be used with them.
   virtual void fit(PlacedSensor& /*at*/) const {}
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A camera that sees all directions: a panorama in latitude-longitude projection.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -51,6 +53,28 @@ public:
     response.pdf_direction = pixels_per_angle(at, d) / at.part.sample_area();
     response.pdf_across = response.pdf_direction / (distance * distance);
     return response;
+  }
+
+  std::string clipping_note(std::span<const Bounds3> shapes) const override {
+    bool all_near = true;
+    float nearest = kInfinity, farthest = 0;
+    for (const Bounds3& box : shapes) {
+      const Vec3 a = box.lower - origin_, b = origin_ - box.upper;
+      Vec3 gap, reach;
+      for (int i = 0; i < 3; ++i)
+        gap[i] = std::max({a[i], b[i], 0.f}), reach[i] = std::max(std::abs(a[i]), std::abs(b[i]));
+      const float from = length(gap), to = length(reach);
+      if (from <= clip_.far && to >= clip_.near) return {};
+      all_near &= to < clip_.near;
+      nearest = std::min(nearest, from), farthest = std::max(farthest, to);
+    }
+    if (shapes.empty()) return {};
+    return properties()
+        .error(all_near ? "near_clip" : "far_clip",
+               fmt::format("every shape lies nearer than near_clip, {:g}, or beyond far_clip, {:g}, so that "
+                           "the camera sees none: their distances are {:.4g} to {:.4g}",
+                           clip_.near, clip_.far, nearest, farthest))
+        .what();
   }
 
 private:

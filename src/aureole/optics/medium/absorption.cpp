@@ -37,11 +37,11 @@ double absorptance(double absorption, double distance) {
 
 double napierian_absorbance(double transmittance) {
   require_transmittance(transmittance);
-  return -std::log(transmittance);
+  return -std::log(transmittance) + 0.0;  // 0, not -0, for T = 1
 }
 double decadic_absorbance(double transmittance) {
   require_transmittance(transmittance);
-  return -std::log10(transmittance);
+  return -std::log10(transmittance) + 0.0;
 }
 double transmittance_of_napierian(double absorbance) {
   require_not_negative(absorbance, "absorbance");

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Descriptions of pictures and state files, for `aureole info`.
+#pragma once
+
+#include <filesystem>
+
+namespace aureole {
+
+/// Prints size, format, origin, noise, colours and channels of a picture. Throws Error if it cannot be read.
+void print_picture(const std::filesystem::path& file);
+
+/// Prints the picture that a state file belongs to, and how much of it is done. Throws Error if it cannot be read.
+void print_state(const std::filesystem::path& file);
+
+}  // namespace aureole
