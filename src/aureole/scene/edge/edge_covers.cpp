@@ -111,9 +111,11 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
   faces_ = std::move(faces.faces), tree_ = std::move(faces.tree);
   const std::vector<std::uint32_t>& sets_of = faces.set_of;
   constexpr std::size_t kTogether = 4096;
-  // Beams as wide as the scene reach all faces from each edge: after so many that were looked at for the edges of
-  // one part, the others are found when they are asked for.
-  constexpr std::size_t kMostVisited = kTogether * kMostListed;
+  const std::size_t part_count = (edges.size() + kTogether - 1) / kTogether;
+  // Beams as wide as the scene reach all faces from each edge. After so many faces that were looked at for one part of
+  // the edges, the covers of the others are looked for when they are asked for; in all that takes some seconds.
+  constexpr std::size_t kMostInAll = std::size_t(1) << 27;
+  const std::size_t most_visited = std::max(kTogether * kMostListed, kMostInAll / part_count);
   const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found, std::size_t& visited) {
     const MeshEdge& edge = edges[number];
     const Vec3 way = edge.b - edge.a;
@@ -122,7 +124,7 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
     const bool is_in_cluster = !clusters.of(number).empty();
     found.clear();
     if (!tree_.visit_while(beam, [&](std::uint32_t i) {
-          if (++visited > kMostVisited) return false;
+          if (++visited > most_visited) return false;
           if (!(is_in_cluster && sets_of[i] == edge.face0.set) && may_cover(faces_[i], edge) &&
               is_in_beam(faces_[i], beam))
             found.push_back(i);
@@ -133,7 +135,7 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
   struct Part {
     std::vector<std::uint32_t> listed, counts;
   };
-  std::vector<Part> parts((edges.size() + kTogether - 1) / kTogether);
+  std::vector<Part> parts(part_count);
   for_ranges(
       parts.size(),
       [&](std::size_t first, std::size_t last) {
