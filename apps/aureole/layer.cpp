@@ -31,7 +31,7 @@ namespace {
 struct LayerOptions {
   std::string target, illuminant = "D65", json;
   std::vector<std::string> defines;
-  double angle = 0, azimuth = 0, step = 20, haze_angle = 2.5;
+  double angle = 0, azimuth = 0, step = 0, haze_angle = 2.5;
   std::vector<double> at{0.5, 0.5};
   int samples = 1 << 16;
 };
@@ -110,7 +110,10 @@ int layer(const LayerOptions& options) {
   const LightBudgetSettings settings{
       options.haze_angle, options.samples, {float(options.at[0]), float(options.at[1])}};
   std::vector<LightBudget> rows;
-  const double steps = std::ceil((grid.max_nm - grid.min_nm) / options.step - 1e-9);
+  constexpr double kVisibleStep = 20, kFewestSteps = 24;
+  const double range = grid.max_nm - grid.min_nm;
+  const double step = options.step > 0 ? options.step : std::max(kVisibleStep, range / kFewestSteps);
+  const double steps = std::ceil(range / step - 1e-9);
   if (steps > 10000) throw Error("--step: more than 10000 wavelengths");
   const int count = std::max(1, int(steps));
   rows.resize(std::size_t(count) + 1);
@@ -188,7 +191,10 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--angle", o->angle, "angle of incidence in degrees, above 90 from below (default 0)")
       .between(0.0, 180.0);
   options.add("--azimuth", o->azimuth, "azimuth of the incident light in degrees from the u axis");
-  options.add("--step", o->step, "largest step between wavelengths in nm (default 20)").between(0.01, 1e9);
+  options
+      .add("--step", o->step,
+           "largest step between wavelengths in nm (default: 20, or a 24th of a wider range than 480 nm)")
+      .between(0.01, 1e9);
   options.add("--illuminant", o->illuminant, "illuminant of the CIE values (default D65)");
   options
       .add("--haze-angle", o->haze_angle, "angle in degrees above which light counts as haze (default 2.5)")

@@ -152,15 +152,23 @@ std::string scene_with_plane(const std::filesystem::path& file, const Arguments&
   } catch (const Error& e) {
     throw Error("--frequency: " + e.message());
   }
+  const bool has_unit =
+      std::any_of(a.frequency.begin(), a.frequency.end(), [](unsigned char c) { return std::isalpha(c); });
+  if (!has_unit || !(nm > 0))
+    throw Error("--frequency " + a.frequency +
+                ": write a frequency with its unit, such as 3.5GHz, or a wavelength");
   // The picture's right is the world's x for a horizontal map, whose up is y.
   const std::vector<double> n = a.normal.empty() ? std::vector<double>{0, 0, 1} : a.normal;
   const bool is_horizontal = n[0] == 0 && n[1] == 0;
-  if (is_horizontal && n[2] == 0) throw Error("--normal 0 0 0: is no direction");
+  const double length = std::hypot(n[0], n[1], n[2]);
+  if (!(length > 1e-6 && std::isfinite(length)))
+    throw Error(fmt::format("--normal {:g} {:g} {:g}: is no direction", n[0], n[1], n[2]));
   constexpr double kBand = 5e-4;  // half of the relative width of the band
   std::string text = "<scene version=\"3.0.0\"><sensor type=\"powermap\"><transform name=\"to_world\">";
   text += fmt::format("<scale x=\"{:.9g}\" y=\"{:.9g}\"/>", 0.5 * a.size[0], 0.5 * a.size[1]);
   text += "<lookat " + vector_text("origin", a.plane[0], a.plane[1], a.plane[2]) + " " +
-          vector_text("target", a.plane[0] + n[0], a.plane[1] + n[1], a.plane[2] + n[2]) +
+          vector_text("target", a.plane[0] + n[0] / length, a.plane[1] + n[1] / length,
+                      a.plane[2] + n[2] / length) +
           (is_horizontal ? " up=\"0, 1, 0\"" : " up=\"0, 0, 1\"") + "/></transform>";
   text += fmt::format(
       "<film type=\"hdrfilm\"><integer name=\"width\" value=\"{}\"/><integer name=\"height\" value=\"{}\"/>"
@@ -170,15 +178,37 @@ std::string scene_with_plane(const std::filesystem::path& file, const Arguments&
       "</sensor>",
       std::max(1L, std::lround(a.size[0] / cell)), std::max(1L, std::lround(a.size[1] / cell)),
       nm * (1 - kBand), nm * (1 + kBand));
+  // Each transmitter radiates 1 W over the band, in all directions alike.
+  const double intensity = 1 / (4 * M_PI * 2 * kBand * nm);
   for (std::size_t i = 0; i + 2 < a.transmitters.size(); i += 3)
     text += fmt::format(
         "<emitter type=\"point\"><point name=\"position\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
-        "<spectrum name=\"intensity\" value=\"1\"/></emitter>",
-        a.transmitters[i], a.transmitters[i + 1], a.transmitters[i + 2]);
+        "<spectrum name=\"intensity\" value=\"{:.9g}\"/></emitter>",
+        a.transmitters[i], a.transmitters[i + 1], a.transmitters[i + 2], intensity);
   std::string name = file.filename().string(), escaped;
   for (const char c : name)
     escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
   return text + "<include filename=\"" + escaped + "\"/></scene>";
+}
+
+/// Prints notes of light that a map on a plane misses.
+void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
+  const std::string integrator = loaded.integrator->properties().type();
+  if (integrator != "ptracer")
+    tell(
+        "note: {} finds no light of a transmitter by way of walls that are mirrors, as slabs are: ptracer does\n",
+        integrator);
+  const std::vector<double> n = a.normal.empty() ? std::vector<double>{0, 0, 1} : a.normal;
+  const double size = std::max(a.size[0], a.size[1]), length = std::hypot(n[0], n[1], n[2]);
+  for (std::size_t i = 0; i + 2 < a.transmitters.size(); i += 3) {
+    double height = 0;
+    for (std::size_t k = 0; k < 3; ++k) height += (a.transmitters[i + k] - a.plane[k]) * n[k] / length;
+    if (std::abs(height) < 1e-3 * size)
+      tell(
+          "note: --transmitter {:g} {:g} {:g} lies in the plane of the map, or nearly: light that mirrors keep in the "
+          "plane is not found there. Move the plane by a hundredth of its size or more\n",
+          a.transmitters[i], a.transmitters[i + 1], a.transmitters[i + 2]);
+  }
 }
 
 LoadedScene load_map(const Arguments& a) {
@@ -235,6 +265,7 @@ int powermap(const Arguments& a) {
   const LoadedScene loaded = load_map(a);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  if (!a.quiet && !a.plane.empty()) note_missing_light(a, loaded);
   require_power_map(*loaded.scene);
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
@@ -309,10 +340,14 @@ std::function<int()> declare(CommandOptions& options) {
           "BSDFs with ids such as mat-itu_concrete become slabs of that material, 0.1 m thick")
       .takes(3);
   options.add("--size", a->size, "W H: width and height of the plane, in the scene's units").takes(2);
-  options.add("--normal", a->normal, "X Y Z: normal of the plane (default: 0 0 1, up)").takes(3);
+  options
+      .add("--normal", a->normal,
+           "X Y Z: normal of the plane (default: 0 0 1); z is up in the picture of any other plane")
+      .takes(3);
   options.add("--cell", a->cell, "side of a cell of the plane (default: 200 cells along the longer side)");
   options.add("--frequency", a->frequency, "frequency or wavelength of the map on a plane, such as 3.5GHz");
-  options.add("--transmitter", a->transmitters, "X Y Z: adds an isotropic transmitter; may be repeated")
+  options
+      .add("--transmitter", a->transmitters, "X Y Z: adds an isotropic transmitter of 1 W; may be repeated")
       .takes_each_time(3);
   options.add(
       "--power", a->power,

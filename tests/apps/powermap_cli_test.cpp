@@ -142,6 +142,33 @@ TEST_F(PowerMapCommand, MapsAPlaneBehindAWall) {
   }
 }
 
+// The same scene in millimetres has the same map in W/m^2. One watt is radiated, and notes say what may be missed.
+TEST_F(PowerMapCommand, MapsAPlaneInAnyUnit) {
+  const std::string scene =
+      "<scene version='3.0.0'><string name='length_unit' value='$unit'/>"
+      "<bsdf type='diffuse' id='mat-concrete'/></scene>";
+  folder.write("empty.xml", scene);
+  const auto map_of = [&](const std::string& unit, const std::string& height, const std::string& side) {
+    EXPECT_EQ(run({"empty.xml", "-D", "unit=" + unit, "--plane", "0",
+                   "0",         "0",  "--size",       side,      side,
+                   "--cell",    side, "--frequency",  "3GHz",    "--transmitter",
+                   "0",         "0",  height,         "-o",      unit + ".exr",
+                   "--spp",     "64"}),
+              0)
+        << output;
+    EXPECT_NE(output.find("1 W, power in 1 of 1 cells"), std::string::npos) << output;
+    EXPECT_NE(output.find("1 BSDF is no building material"), std::string::npos) << output;
+    const Image map = read_image(folder.path / (unit + ".exr"));
+    return double(map.at(0, 0, std::size_t(map.channel("density"))));
+  };
+  const double expected = 1 / (4 * M_PI * 4);
+  EXPECT_NEAR(map_of("m", "2", "0.01"), expected, 1e-3 * expected);
+  EXPECT_EQ(output.find("lies in the plane"), std::string::npos) << output;
+  EXPECT_NEAR(map_of("mm", "2000", "10"), expected, 1e-3 * expected);
+  map_of("cm", "0", "1");
+  EXPECT_NE(output.find("--transmitter 0 0 0 lies in the plane of the map"), std::string::npos) << output;
+}
+
 TEST_F(PowerMapCommand, RefusesPlanesThatAreNotStated) {
   const std::string file =
       folder.write("no.xml", "<scene version='3.0.0'><shape type='sphere'/></scene>").string();
@@ -161,6 +188,7 @@ TEST_F(PowerMapCommand, RefusesPlanesThatAreNotStated) {
   refused({file, "--plane", "0", "0", "1", "--size", "0", "3", "--frequency", "3GHz"},
           "--size 0: must be positive");
   refused({file, "--plane", "0", "0", "1", "--size", "2", "3", "--frequency", "blue"}, "--frequency: ");
+  refused({file, "--plane", "0", "0", "1", "--size", "2", "3", "--frequency", "3.5"}, "with its unit");
   refused({scene(kBand), "--frequency", "3GHz"}, "--frequency: is for maps by --plane");
   folder.write("cheese.xml", "<scene version='3.0.0'><bsdf type='diffuse' id='mat-itu_cheese'/></scene>");
   refused({"cheese.xml", "--plane", "0", "0", "1", "--size", "2", "3", "--frequency", "3GHz"},

@@ -30,6 +30,8 @@ struct Replaced {
   std::vector<std::string> materials;
   std::size_t count = 0;
   SourceLocation first;
+  std::size_t others = 0;  ///< BSDFs that are no building materials
+  SourceLocation first_other;
 };
 
 void replace_below(Node& parent, const std::vector<std::string>& known, Replaced& replaced,
@@ -37,7 +39,12 @@ void replace_below(Node& parent, const std::vector<std::string>& known, Replaced
   for (Node& node : parent.children) {
     const std::string& id = node.get("id");
     const std::string material = id.starts_with("mat-") ? id.substr(4) : id;
-    if (node.tag != "bsdf" || !material.starts_with("itu_") || is_made_of_radio_material(node)) {
+    if (node.tag == "bsdf" && is_made_of_radio_material(node)) continue;
+    if (node.tag == "bsdf" && !material.starts_with("itu_")) {
+      if (replaced.others++ == 0) replaced.first_other = node.where;
+      continue;
+    }
+    if (node.tag != "bsdf") {
       replace_below(node, known, replaced, diagnostics);
       continue;
     }
@@ -72,8 +79,10 @@ void upgrade_radio_material(Node& bsdf, Diagnostics& diagnostics) {
       diagnostics.note(child.where,
                        "\"" + name + "\" is ignored: walls reflect as mirrors and scatter nothing");
   }
-  const std::string material = "itu_" + type->get("value"),
-                    metres = thickness ? thickness->get("value") + "m" : kThickness;
+  const std::string material = "itu_" + type->get("value");
+  std::string metres = thickness ? thickness->get("value") : kThickness;
+  if (!metres.empty() && metres.back() == '.') metres.pop_back();  // "1."
+  if (thickness) metres += "m";
   diagnostics.note(bsdf.where, "bsdf \"itu-radio-material\" is replaced by \"slab\" of " + material + ", " +
                                    metres + " thick");
   make_slab(bsdf, material, metres);
@@ -82,6 +91,14 @@ void upgrade_radio_material(Node& bsdf, Diagnostics& diagnostics) {
 void replace_radio_materials(Node& root, Diagnostics& diagnostics) {
   Replaced replaced;
   replace_below(root, radio_material_names(), replaced, diagnostics);
+  if (replaced.others > 0)
+    diagnostics.note(
+        replaced.first_other,
+        fmt::format(
+            "{} {} no building material, neither by {} id (\"mat-itu_concrete\") nor by a parameter: {} "
+            "as for light",
+            replaced.others, replaced.others == 1 ? "BSDF is" : "BSDFs are",
+            replaced.others == 1 ? "its" : "their", replaced.others == 1 ? "it scatters" : "they scatter"));
   if (replaced.count == 0) return;
   std::string all;
   for (const std::string& material : replaced.materials) all += (all.empty() ? "" : ", ") + material;

@@ -19,6 +19,8 @@ public:
     to_world_ = rigid_transform(p);
     to_camera_ = to_world_.inverse();
     origin_ = to_world_.point({0, 0, 0});
+    if (film().width() != 2 * film().height())
+      p.note("film", "the picture is not twice as wide as high: its pixels are stretched");
   }
 
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2) const override {

@@ -64,5 +64,24 @@ TEST(TwoColumns, ErrorsNameTheLine) {
   }
 }
 
+TEST(TwoColumns, SeparatorsAndQuotesOfExports) {
+  const std::vector<std::pair<double, double>> rows = {{0.5, 10}, {1.25, 0.5}};
+  for (const char* text :
+       {"a b\n0.5 10\n1.25 0.5\n", "0.5,10\n1.25,0.5\n", "Size;Part\n0,5;10\n1,25;0,5\n",
+        "\"Size\",\"Part\"\n\"0.5\",\"10\"\n\"1.25\",\"0.5\"\n", "0.5\t10\r\n1.25\t0.5\r\n"}) {
+    std::istringstream in(text);
+    EXPECT_EQ(read_two_columns(in), rows) << text;
+  }
+  for (const char* text : {"1 2 3\n", "1,2,10\n", "1;2;3\n"}) {
+    std::istringstream in(text);
+    try {
+      read_two_columns(in);
+      ADD_FAILURE() << text;
+    } catch (const std::domain_error& e) {
+      EXPECT_NE(std::string(e.what()).find("no third column"), std::string::npos) << e.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace aureole::optics

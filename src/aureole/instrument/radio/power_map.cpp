@@ -188,7 +188,8 @@ std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::
     map.width = picture.width, map.height = picture.height;
     map.min_nm = band.min_nm, map.max_nm = band.max_nm, map.wavelength_m = band.mean_nm * 1e-9;
     map.power_w = power_w.value_or(band.power);
-    const double scale = map.power_w / band.seen;
+    const double unit_m = sensor.properties().context().length_unit_m;
+    const double scale = map.power_w / (band.seen * unit_m * unit_m);  // areas of the scene are in its unit
     const int value = picture.channel(map.channel), variance = picture.channel("variance." + map.channel);
     std::vector<float> developed(names.size());
     for (std::size_t i = 0; i < cells; ++i) {
