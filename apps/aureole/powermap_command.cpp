@@ -131,8 +131,15 @@ std::string vector_text(const char* name, double x, double y, double z) {
   return fmt::format("{}=\"{:.9g}, {:.9g}, {:.9g}\"", name, x, y, z);
 }
 
-/// Returns a scene that adds to `file` a map on a plane and transmitters.
-std::string scene_with_plane(const std::filesystem::path& file, const Arguments& a) {
+/// The name by which the scene with the plane includes the scene of the user, whose name may have any characters.
+constexpr const char* kSceneFile = "scene_of_the_plane";
+
+/// Returns a scene that adds a map on a plane and transmitters to that of the user.
+std::string scene_with_plane(const Arguments& a) {
+  for (const auto& [option, numbers] : {std::pair("--plane", a.plane), std::pair("--normal", a.normal),
+                                        std::pair("--transmitter", a.transmitters)})
+    for (const double x : numbers)
+      if (!std::isfinite(x)) throw Error(fmt::format("{}: {:g} is not finite", option, x));
   const auto positive = [](const char* option, double value) {
     if (!(value > 0 && std::isfinite(value)))
       throw Error(fmt::format("{} {:g}: must be positive and finite", option, value));
@@ -185,10 +192,7 @@ std::string scene_with_plane(const std::filesystem::path& file, const Arguments&
         "<emitter type=\"point\"><point name=\"position\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
         "<spectrum name=\"intensity\" value=\"{:.9g}\"/></emitter>",
         a.transmitters[i], a.transmitters[i + 1], a.transmitters[i + 2], intensity);
-  std::string name = file.filename().string(), escaped;
-  for (const char c : name)
-    escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-  return text + "<include filename=\"" + escaped + "\"/></scene>";
+  return text + "<include filename=\"$" + kSceneFile + "\"/></scene>";
 }
 
 /// Prints notes of light that a map on a plane misses.
@@ -200,6 +204,12 @@ void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
         integrator);
   const std::vector<double> n = a.normal.empty() ? std::vector<double>{0, 0, 1} : a.normal;
   const double size = std::max(a.size[0], a.size[1]), length = std::hypot(n[0], n[1], n[2]);
+  if (a.cell > 0) {
+    const Film& film = loaded.scene->sensor().film();
+    const double width = a.size[0] / film.width(), height = a.size[1] / film.height();
+    if (std::max(std::abs(width - a.cell), std::abs(height - a.cell)) > 1e-6 * a.cell)
+      tell("note: --size is no multiple of --cell: cells are {:.6g} wide and {:.6g} high\n", width, height);
+  }
   for (std::size_t i = 0; i + 2 < a.transmitters.size(); i += 3) {
     double height = 0;
     for (std::size_t k = 0; k < 3; ++k) height += (a.transmitters[i + k] - a.plane[k]) * n[k] / length;
@@ -215,6 +225,8 @@ LoadedScene load_map(const Arguments& a) {
   LoadOptions load;
   load.defines = split_defines(a.defines);
   load.integrator = a.integrator;
+  if (a.max_depth < -2)
+    throw Error(fmt::format("--max-depth {}: must be at least -1, which is no limit", a.max_depth));
   if (a.max_depth >= -1)
     load.integrator_parameters.push_back({"integer", "max_depth", std::to_string(a.max_depth)});
   if (a.diffraction) load.integrator_parameters.push_back({"boolean", "diffraction", "true"});
@@ -228,8 +240,9 @@ LoadedScene load_map(const Arguments& a) {
   }
   load.fallback_integrator = "ptracer";  // finds light of a point by way of walls that are mirrors
   load.radio_materials = true;
-  return load_scene_from_string(scene_with_plane(a.scene, a),
-                                std::filesystem::path(a.scene).parent_path() / "--plane", load);
+  load.defines.emplace_back(kSceneFile, std::filesystem::path(a.scene).filename().string());
+  return load_scene_from_string(scene_with_plane(a), std::filesystem::path(a.scene).parent_path() / "--plane",
+                                load);
 }
 
 int powermap(const Arguments& a) {

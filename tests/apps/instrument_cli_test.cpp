@@ -533,7 +533,7 @@ TEST_F(InstrumentCli, DropletSize) {
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--mask", "10", "10", "-5"},
           "--mask: the radius -5 is not positive");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--azimuths", "60", "60"},
-          "there is nothing");
+          "the range from 60 to 60 degrees is empty");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--spread", "--second-size"}, "not both");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--correlation", "simulate"},
           "did you mean \"simulated\"?");

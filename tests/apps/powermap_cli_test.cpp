@@ -142,7 +142,7 @@ TEST_F(PowerMapCommand, MapsAPlaneBehindAWall) {
   }
 }
 
-// The same scene in millimetres has the same map in W/m^2. One watt is radiated, and notes say what may be missed.
+// A scene in millimetres has the map of that in metres, in W/m^2. One watt is radiated, and notes say what may be missed.
 TEST_F(PowerMapCommand, MapsAPlaneInAnyUnit) {
   const std::string scene =
       "<scene version='3.0.0'><string name='length_unit' value='$unit'/>"

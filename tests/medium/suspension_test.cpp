@@ -300,6 +300,15 @@ TEST(SuspensionMedium, HistogramsOfFiles) {
               1e-6, 1e-6);
 }
 
+// The first class is empty in double precision: the other is all there is.
+TEST(SuspensionMedium, HistogramsWithNextToNothingInAClass) {
+  const auto figures = [](const std::string& sizes, const std::string& weights) {
+    return figures_of_spheres(histogram("number") + choice("classes", "edges") + choice("sizes", sizes) +
+                              choice("weights", weights) + number("volume_fraction", 1e-3));
+  };
+  expect_same(figures("1, 1.01, 1.02", "1e-300, 1e29"), figures("1.01, 1.02", "1"), 1e-9, 1e-9);
+}
+
 TEST(SuspensionMedium, HistogramsRefuseWrongInput) {
   test::TemporaryFolder folder;
   const auto fails = [&](const std::string& parameters, const std::string& text) {

@@ -40,7 +40,8 @@ TEST(Spherical, RaysAndTheirInverse) {
     const SensorRay s = sensor.sample_ray(film, {});
     const auto found = sensor.eval(s.ray.o + s.ray.d * random.next(), s.ray.d);
     ASSERT_TRUE(found) << film.x << " " << film.y;
-    EXPECT_LT(std::remainder(found->film.x - film.x, 64), 2e-2 / std::sin(M_PI * double(film.y) / 32));
+    EXPECT_LT(std::abs(std::remainder(found->film.x - film.x, 64)),
+              2e-2 / std::sin(M_PI * double(film.y) / 32));
     EXPECT_NEAR(found->film.y, film.y, 2e-3);
     const Vec3 d = square_to_uniform_sphere(random.next2());
     const auto any = sensor.eval(Vec3{1, -4, 2} + d, d);
@@ -49,6 +50,18 @@ TEST(Spherical, RaysAndTheirInverse) {
   }
   EXPECT_NEAR(integral, 1, 0.02);
   EXPECT_FALSE(sensor.eval({0, 0, 0}, {0, 0, 1}));  // this ray does not come from the camera
+}
+
+TEST(Spherical, FilmsThatDoNotFit) {
+  const auto with = [](const std::string& film) {
+    return load_scene_from_string(test::kHead + "<sensor type='spherical'><film type='hdrfilm'>" + film +
+                                      "</film></sensor><emitter type='constant'/></scene>",
+                                  "test.xml");
+  };
+  EXPECT_THROW(with("<boolean name='sample_border' value='true'/>"), Error);
+  const auto square = with("<integer name='width' value='8'/><integer name='height' value='8'/>").notes;
+  ASSERT_EQ(square.size(), 1u);
+  EXPECT_NE(square[0].find("not twice as wide as high"), std::string::npos) << square[0];
 }
 
 TEST(Spherical, NotesThatNothingIsBetweenItsClips) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A slab with parallel faces as one surface, with interference and absorption: a wall for radio waves, a soap film, a
 // metal leaf that light passes.
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -32,7 +33,7 @@ public:
     const SpectralGrid& grid = p.context().grid;
     eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index(nm).real(); });
     k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index(nm).imag(); });
-    // Straight light has the shortest way through the slab.
+    // At normal incidence the way through the slab is shortest, so that absorption is least.
     constexpr double kOpaque = 1e-12;
     for (int i = 0; i <= grid.cells; ++i)
       passes_ |= std::exp(-4 * kPiD * index(grid.node(i)).imag() * thickness_nm_ / grid.node(i)) > kOpaque;
@@ -41,7 +42,7 @@ public:
   BsdfEval eval_pdf(const Vec3&, const Vec3&, const BsdfContext&) const override { return {}; }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2, const BsdfContext& ctx) const override {
-    const float cos_i = std::abs(wi.z);
+    const float cos_i = std::min(std::abs(wi.z), 1.f);
     if (!(cos_i > 0)) return {};
     const Powers part = powers(cos_i, ctx);
     // The probability of a null lobe must not depend on the wavelength.
@@ -54,7 +55,7 @@ public:
   }
 
   Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
-    const float cos_i = std::abs(wi.z);
+    const float cos_i = std::min(std::abs(wi.z), 1.f);
     return cos_i > 0 && passes_ ? powers(cos_i, ctx).transmitted : Spectrum(0.f);
   }
 
@@ -95,7 +96,7 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "A slab with parallel faces as one surface: reflection and transmission with interference of all reflections "
         "within it, and absorption. For walls at radio wavelengths, soap films, and leaves of metal so thin that light "
-        "passes. It looks alike from both sides. Transmitted light keeps its direction and its place: light sampling "
+        "passes. It looks alike from both sides. Transmitted light keeps its direction, without the displacement of a thick slab: light sampling "
         "passes through, and crossing it is no path vertex, as for `thindielectric`, which adds powers instead of "
         "fields and suits panes thicker than the coherence length. Polarisations are averaged.",
         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, sections 1.6.4 and 14.4; Recommendation ITU-R P.2040-3, "

@@ -9,7 +9,7 @@ namespace aureole {
 
 FileName::FileName(const std::string& name) {
   static std::mutex mutex;
-  static std::unordered_set<std::string> names;
+  static auto& names = *new std::unordered_set<std::string>;  // lives as long as any location
   if (name.empty()) return;
   const std::lock_guard lock(mutex);
   name_ = &*names.insert(name).first;

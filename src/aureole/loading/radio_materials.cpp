@@ -40,12 +40,14 @@ void replace_below(Node& parent, const std::vector<std::string>& known, Replaced
     const std::string& id = node.get("id");
     const std::string material = id.starts_with("mat-") ? id.substr(4) : id;
     if (node.tag == "bsdf" && is_made_of_radio_material(node)) continue;
-    if (node.tag == "bsdf" && !material.starts_with("itu_")) {
-      if (replaced.others++ == 0) replaced.first_other = node.where;
-      continue;
-    }
-    if (node.tag != "bsdf") {
+    if (node.tag != "bsdf" || !material.starts_with("itu_")) {
+      // A BSDF with one inside that is named after a material is that material.
+      const std::size_t others = replaced.others, count = replaced.count;
+      const SourceLocation first_other = replaced.first_other;
       replace_below(node, known, replaced, diagnostics);
+      if (node.tag != "bsdf") continue;
+      replaced.others = others, replaced.first_other = first_other;
+      if (replaced.count == count && replaced.others++ == 0) replaced.first_other = node.where;
       continue;
     }
     if (std::find(known.begin(), known.end(), material) == known.end()) {

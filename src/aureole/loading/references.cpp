@@ -162,7 +162,7 @@ private:
 
   /// Traverses objects and references depth-first and cuts references that lead back into the current path.
   Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
-    if (node.children.empty()) return {};
+    if (node.children.empty()) return {};  // nothing leads back from it
     if (const auto known = extents_.find(&node); known != extents_.end()) return known->second;
     path.push_back(&node);
     Extent extent;

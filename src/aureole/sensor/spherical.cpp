@@ -19,6 +19,10 @@ public:
     to_world_ = rigid_transform(p);
     to_camera_ = to_world_.inverse();
     origin_ = to_world_.point({0, 0, 0});
+    if (film().sample_border())
+      throw p.error(
+          "film",
+          "\"sample_border\" is not for a spherical camera, whose picture has no border: leave it out");
     if (film().width() != 2 * film().height())
       p.note("film", "the picture is not twice as wide as high: its pixels are stretched");
   }

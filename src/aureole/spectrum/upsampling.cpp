@@ -64,7 +64,7 @@ SigmoidPolynomial look_up(const float (&rgb)[3]) {
 
   const int stride_j = 3 * n, stride_k = stride_j * n;
   const float* corner = the_table.coefficients + ((l * n + k) * n + j) * stride_j + i * 3;
-  // The three coefficients are interpolated side by side, with the number after them, which is not used.
+  // The three coefficients are interpolated side by side; a fourth number is read with them and ignored.
   using Four = float __attribute__((vector_size(16)));
   const auto node = [](const float* q) {
     Four values;

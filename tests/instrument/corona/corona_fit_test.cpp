@@ -87,6 +87,23 @@ Image photograph(Image image, float exposure) {
 }
 constexpr double kClip = 0.98;  // linear; of 252 in 255
 
+TEST(PictureParts, RangesOfAzimuthsGoThroughZero) {
+  struct Range {
+    double from, to, inside, outside;
+  };
+  for (const auto& [from, to, inside, outside] : {Range{300, 60, 10, 180},
+                                                  {-60, 60, 350, 180},
+                                                  {350, -350, 0, 180},
+                                                  {200, -300, 210, 100},
+                                                  {300, -60, 30, -1}})
+    for (const double turn : {-360., 0., 360.}) {
+      const PictureParts parts = picture_parts({from, to}, {});
+      EXPECT_TRUE(parts.has_azimuth(inside + turn)) << from << " " << to;
+      if (outside >= 0) EXPECT_FALSE(parts.has_azimuth(outside + turn)) << from << " " << to;
+    }
+  EXPECT_THROW(picture_parts({60, 60}, {}), Error);
+}
+
 TEST(PictureParts, AzimuthsPassThroughZero) {
   const PictureParts ahead = picture_parts({300, 60}, {}), same = picture_parts({-60, 60}, {});
   for (const PictureParts* p : {&ahead, &same}) {

@@ -56,6 +56,20 @@ TEST(Slab, IsTheSumOfItsWaves) {
   }
 }
 
+// Only the ratio of the indices counts, and the wavelength around the slab.
+TEST(Slab, InOtherMatter) {
+  for (const double n_ext : {0.8, 1.33, 2.}) {
+    const SlabPowers a = slab_powers(0.6, n_ext, C(1.7, 0.05), 0.9),
+                     b = slab_powers(0.6, 1, C(1.7, 0.05) / n_ext, 0.9 * n_ext);
+    EXPECT_NEAR(a.reflected, b.reflected, 1e-12);
+    EXPECT_NEAR(a.transmitted, b.transmitted, 1e-12);
+  }
+  // At the critical angle of a thin gap nearly all light passes.
+  const double critical = std::sqrt(1 - 0.64);
+  EXPECT_NEAR(slab_powers(critical, 1.25, 1, 0.02).transmitted,
+              slab_powers(critical + 1e-5, 1.25, 1, 0.02).transmitted, 1e-3);
+}
+
 TEST(Slab, Limits) {
   // Of half a wavelength: no reflection. Of a quarter: ((n^2 - 1)/(n^2 + 1))^2.
   EXPECT_NEAR(slab_powers(1, 1, 2, 0.25).reflected, 0, 1e-12);

@@ -32,16 +32,18 @@ std::pair<double, double> polar_about(Direction lamp, Direction v) {
 }
 
 bool PictureParts::has_azimuth(double azimuth) const {
-  return azimuth - 360 * std::floor((azimuth - from) / 360) <= (to < from ? to + 360 : to);
+  double end = to;
+  while (end <= from) end += 360;  // the range goes through 0
+  return azimuth - 360 * std::floor((azimuth - from) / 360) <= end;
 }
 
 PictureParts picture_parts(const std::vector<double>& azimuths, const std::vector<double>& masks) {
   if (azimuths.size() != 2) throw Error("--azimuths: two numbers are needed, in degrees");
   for (const double a : azimuths)
     if (!(std::abs(a) <= 360)) throw Error(fmt::format("--azimuths: {:g} degrees are not in [-360, 360]", a));
+  if (azimuths[0] == azimuths[1])
+    throw Error(fmt::format("--azimuths: the range from {0:g} to {0:g} degrees is empty", azimuths[0]));
   const PictureParts parts{azimuths[0], azimuths[1], masks};
-  if (parts.from == parts.to)
-    throw Error(fmt::format("--azimuths: from {0:g} to {0:g} degrees there is nothing", parts.from));
   if (masks.size() % 3)
     throw Error("--mask: three numbers are needed for each disc: x, y and radius in pixels");
   for (size_t m = 0; m < masks.size(); m += 3) {

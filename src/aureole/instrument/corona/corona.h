@@ -41,8 +41,8 @@ struct PictureParts {
   bool is_masked(double x, double y) const;
 };
 
-/// The parts that the options --azimuths (two numbers) and --mask (three for each disc) leave. Throws Error that names
-/// the option for azimuths beyond [-360, 360] or that leave nothing, and for a disc without a positive radius.
+/// Reads the options --azimuths (two numbers) and --mask (three numbers for each disc). Throws Error that names the
+/// option for azimuths beyond [-360, 360], for an empty range, and for a disc without a positive radius.
 PictureParts picture_parts(const std::vector<double>& azimuths, const std::vector<double>& masks);
 
 /// Profile over the angle from the source's centre [degrees]: means of R, G, B over the selected azimuths.

@@ -85,15 +85,13 @@ SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickn
     throw std::domain_error("thickness of a slab must be positive and finite, got " +
                             std::to_string(thickness));
   const FresnelAmplitudes face = fresnel_amplitudes(cos_i, n_ext, n_slab);
-  // The phase of one way through the slab; its imaginary part is the loss.
+  // Change of the amplitude along one way through the slab.
   const Complex way = std::exp(Complex(0, 2 * kPi * thickness) * (n_slab * face.cos_t));
   SlabPowers mean;
   for (const Complex r : {face.r_s, face.r_p}) {
     const Complex sum = 1.0 - r * r * way * way;
-    if (sum == 0.0) {  // grazing incidence: the wave meets a mirror
-      mean.reflected += 0.5;
-      continue;
-    }
+    // At the critical angle the amplitudes are 0/0: they are those of an angle beside it.
+    if (sum == 0.0) return slab_powers(cos_i < 0.5 ? cos_i + 1e-7 : cos_i - 1e-7, n_ext, n_slab, thickness);
     mean.reflected += 0.5 * std::norm(r * (1.0 - way * way) / sum);
     mean.transmitted += 0.5 * std::norm((1.0 - r * r) * way / sum);
   }

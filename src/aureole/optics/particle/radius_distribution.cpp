@@ -119,6 +119,9 @@ namespace {
 /// Throws std::domain_error for lengths that are invalid or do not increase, and for weights that are.
 void check_classes(std::span<const double> lengths, std::span<const double> weights) {
   double total = 0;
+  constexpr std::size_t kMaxClasses = 1000;  // each is at least one size, of which Mie's series is summed
+  require(lengths.size() <= kMaxClasses, "a histogram of radii has at most 1000 classes",
+          double(lengths.size()));
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     require_length(lengths[i], "radius in a histogram");
     require(i == 0 || lengths[i] > lengths[i - 1], "radii in a histogram must increase", lengths[i]);
@@ -153,7 +156,10 @@ RadiusDistribution RadiusDistribution::histogram(std::span<const double> edges,
     d.intervals_.push_back({low, high, number});
     total += number;
   }
+  require(total > 0 && std::isfinite(total), "the number of particles in a histogram is not finite", total);
   for (Interval& c : d.intervals_) c.weight /= total;
+  // Of classes with next to nothing in them, whose weights may underflow, nothing is left.
+  std::erase_if(d.intervals_, [](const Interval& c) { return !(c.weight > 0); });
   d.moment_ = [=, intervals = d.intervals_](double power) {
     double sum = 0;
     for (const Interval& c : intervals)

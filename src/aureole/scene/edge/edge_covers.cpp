@@ -112,8 +112,8 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
   const std::vector<std::uint32_t>& sets_of = faces.set_of;
   constexpr std::size_t kTogether = 4096;
   const std::size_t part_count = (edges.size() + kTogether - 1) / kTogether;
-  // Beams as wide as the scene reach all faces from each edge. After so many faces that were looked at for one part of
-  // the edges, the covers of the others are looked for when they are asked for; in all that takes some seconds.
+  // Where beams are as wide as the scene, each edge has all faces near it. So the search visits a limited number of
+  // faces for the edges of one part, which takes some seconds for all parts; the rest of the edges get `kMany`.
   constexpr std::size_t kMostInAll = std::size_t(1) << 27;
   const std::size_t most_visited = std::max(kTogether * kMostListed, kMostInAll / part_count);
   const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found, std::size_t& visited) {
