@@ -135,7 +135,8 @@ TEST_F(InstrumentCli, LayerOfAFileWithoutSensor) {
   EXPECT_NE(output.find("material.xml (homogeneous)"), std::string::npos) << output;
   // No shape uses the medium; albedo 0.75 is the default of Mitsuba.
   ASSERT_EQ(run({"medium", "material.xml#fog", "--length", "1m", "--json", "fog.json"}), 0) << output;
-  for (const auto& row : nlohmann::json::parse(content(folder.path / "fog.json"))["wavelengths"]) {
+  const nlohmann::json fog = nlohmann::json::parse(content(folder.path / "fog.json"));
+  for (const auto& row : fog["wavelengths"]) {
     EXPECT_NEAR(double(row["optical_density"]), 2 / std::log(10), 1e-6);
     EXPECT_NEAR(double(row["absorbance"]), 0.5 / std::log(10), 1e-6);
   }
