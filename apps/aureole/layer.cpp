@@ -24,6 +24,7 @@
 #include "aureole/spectrum/tables.h"
 #include "command.h"
 #include "messages.h"
+#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {
@@ -110,15 +111,7 @@ int layer(const LayerOptions& options) {
   const LightBudgetSettings settings{
       options.haze_angle, options.samples, {float(options.at[0]), float(options.at[1])}};
   std::vector<LightBudget> rows;
-  constexpr double kVisibleStep = 20, kFewestSteps = 24;
-  const double range = grid.max_nm - grid.min_nm;
-  const double step = options.step > 0 ? options.step : std::max(kVisibleStep, range / kFewestSteps);
-  const double steps = std::ceil(range / step - 1e-9);
-  if (steps > 10000) throw Error("--step: more than 10000 wavelengths");
-  const int count = std::max(1, int(steps));
-  rows.resize(std::size_t(count) + 1);
-  for (int i = 0; i <= count; ++i)
-    rows[std::size_t(i)].nm = grid.min_nm + (grid.max_nm - grid.min_nm) * i / count;
+  for (const double nm : wavelength_steps(grid, options.step, 20)) rows.emplace_back().nm = nm;
   for_ranges(
       rows.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -193,7 +186,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--azimuth", o->azimuth, "azimuth of the incident light in degrees from the u axis");
   options
       .add("--step", o->step,
-           "largest step between wavelengths in nm (default: 20, or a 24th of a wider range than 480 nm)")
+           "largest step between wavelengths in nm (default 20, or a hundredth of the range if that is more)")
       .between(0.01, 1e9);
   options.add("--illuminant", o->illuminant, "illuminant of the CIE values (default D65)");
   options

@@ -19,6 +19,7 @@
 #include "command.h"
 #include "messages.h"
 #include "table_progress_line.h"
+#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {
@@ -27,7 +28,7 @@ struct MediumOptions {
   std::string target, length = "1cm", plot, json;
   std::vector<std::string> defines;
   std::vector<double> at{0, 0, 0}, along{0, 0, 1};
-  double step = 25;
+  double step = 0;
 };
 
 /// Returns the medium with that id; without an id, the only medium of the scene.
@@ -48,15 +49,6 @@ MediumPtr find_medium(const LoadedObjects& loaded, const std::string& file, cons
   if (all.empty() && !id.empty()) message += "; the scene has no medium";
   if (!known.empty()) message += fmt::format("; there are {}", fmt::join(known, ", "));
   throw Error({file, 0, 0}, message);
-}
-
-std::vector<double> wavelengths(const SpectralGrid& grid, double step) {
-  const double steps = std::ceil((grid.max_nm - grid.min_nm) / step - 1e-9);
-  if (steps > 10000) throw Error("--step: more than 10000 wavelengths");
-  const int count = std::max(1, int(steps));
-  std::vector<double> nm;
-  for (int i = 0; i <= count; ++i) nm.push_back(grid.min_nm + (grid.max_nm - grid.min_nm) * i / count);
-  return nm;
 }
 
 std::string length_text(double metres) {
@@ -136,7 +128,7 @@ int medium(const MediumOptions& o) {
   const MediumPtr found =
       find_medium(loaded, file, mark == std::string::npos ? "" : o.target.substr(mark + 1));
   const std::vector<MediumFigures> rows =
-      measure_medium(*found, wavelengths(found->properties().context().grid, o.step), point, d);
+      measure_medium(*found, wavelength_steps(found->properties().context().grid, o.step, 25), point, d);
 
   fmt::print("{} ({}){}\n\n", o.target, found->properties().type(),
              found->is_uniform() ? "" : fmt::format(", at ({:g}, {:g}, {:g})", o.at[0], o.at[1], o.at[2]));
@@ -170,7 +162,10 @@ std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<MediumOptions>();
   options.add("target", o->target, "scene.xml#id: id of a medium; without one, the only medium").required();
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
-  options.add("--step", o->step, "largest step between wavelengths in nm (default 25)").between(0.01, 1e9);
+  options
+      .add("--step", o->step,
+           "largest step between wavelengths in nm (default 25, or a hundredth of the range if that is more)")
+      .between(0.01, 1e9);
   options.add("--length", o->length, "path length of the transmittance, absorbances and colours")
       .shows_default();
   options.add("--at", o->at, "x,y,z of the point, for spatially varying media (default 0,0,0)")

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
@@ -24,6 +26,8 @@ namespace {
 std::atomic<bool> stop_requested{false};
 extern "C" void stop_map(int) { stop_requested = true; }
 
+constexpr int kNotGiven = std::numeric_limits<int>::min();
+
 struct Arguments {
   std::string scene, output, integrator, power, show;
   std::vector<std::string> defines;
@@ -35,7 +39,7 @@ struct Arguments {
   std::vector<double> plane, normal, size, transmitters;
   std::string frequency;
   double cell = 0;
-  int max_depth = -2;
+  int max_depth = kNotGiven;
   bool diffraction = false;
   bool quiet = false;
 };
@@ -131,6 +135,16 @@ std::string vector_text(const char* name, double x, double y, double z) {
   return fmt::format("{}=\"{:.9g}, {:.9g}, {:.9g}\"", name, x, y, z);
 }
 
+/// The unit normal of the plane.
+std::array<double, 3> normal_of(const Arguments& a) {
+  if (a.normal.empty()) return {0, 0, 1};
+  const double length = std::hypot(a.normal[0], a.normal[1], a.normal[2]);
+  if (!(length > 1e-6 && std::isfinite(length)))
+    throw Error(
+        fmt::format("--normal {:g} {:g} {:g}: is no direction", a.normal[0], a.normal[1], a.normal[2]));
+  return {a.normal[0] / length, a.normal[1] / length, a.normal[2] / length};
+}
+
 /// The name by which the scene with the plane includes the scene of the user, whose name may have any characters.
 constexpr const char* kSceneFile = "scene_of_the_plane";
 
@@ -165,17 +179,13 @@ std::string scene_with_plane(const Arguments& a) {
     throw Error("--frequency " + a.frequency +
                 ": write a frequency with its unit, such as 3.5GHz, or a wavelength");
   // The picture's right is the world's x for a horizontal map, whose up is y.
-  const std::vector<double> n = a.normal.empty() ? std::vector<double>{0, 0, 1} : a.normal;
-  const bool is_horizontal = n[0] == 0 && n[1] == 0;
-  const double length = std::hypot(n[0], n[1], n[2]);
-  if (!(length > 1e-6 && std::isfinite(length)))
-    throw Error(fmt::format("--normal {:g} {:g} {:g}: is no direction", n[0], n[1], n[2]));
+  const auto [nx, ny, nz] = normal_of(a);
+  const bool is_horizontal = nx == 0 && ny == 0;
   constexpr double kBand = 5e-4;  // half of the relative width of the band
   std::string text = "<scene version=\"3.0.0\"><sensor type=\"powermap\"><transform name=\"to_world\">";
   text += fmt::format("<scale x=\"{:.9g}\" y=\"{:.9g}\"/>", 0.5 * a.size[0], 0.5 * a.size[1]);
   text += "<lookat " + vector_text("origin", a.plane[0], a.plane[1], a.plane[2]) + " " +
-          vector_text("target", a.plane[0] + n[0] / length, a.plane[1] + n[1] / length,
-                      a.plane[2] + n[2] / length) +
+          vector_text("target", a.plane[0] + nx, a.plane[1] + ny, a.plane[2] + nz) +
           (is_horizontal ? " up=\"0, 1, 0\"" : " up=\"0, 0, 1\"") + "/></transform>";
   text += fmt::format(
       "<film type=\"hdrfilm\"><integer name=\"width\" value=\"{}\"/><integer name=\"height\" value=\"{}\"/>"
@@ -202,8 +212,8 @@ void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
     tell(
         "note: {} finds no light of a transmitter by way of walls that are mirrors, as slabs are: ptracer does\n",
         integrator);
-  const std::vector<double> n = a.normal.empty() ? std::vector<double>{0, 0, 1} : a.normal;
-  const double size = std::max(a.size[0], a.size[1]), length = std::hypot(n[0], n[1], n[2]);
+  const std::array<double, 3> n = normal_of(a);
+  const double size = std::max(a.size[0], a.size[1]);
   if (a.cell > 0) {
     const Film& film = loaded.scene->sensor().film();
     const double width = a.size[0] / film.width(), height = a.size[1] / film.height();
@@ -212,7 +222,7 @@ void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
   }
   for (std::size_t i = 0; i + 2 < a.transmitters.size(); i += 3) {
     double height = 0;
-    for (std::size_t k = 0; k < 3; ++k) height += (a.transmitters[i + k] - a.plane[k]) * n[k] / length;
+    for (std::size_t k = 0; k < 3; ++k) height += (a.transmitters[i + k] - a.plane[k]) * n[k];
     if (std::abs(height) < 1e-3 * size)
       tell(
           "note: --transmitter {:g} {:g} {:g} lies in the plane of the map, or nearly: light that mirrors keep in the "
@@ -225,9 +235,9 @@ LoadedScene load_map(const Arguments& a) {
   LoadOptions load;
   load.defines = split_defines(a.defines);
   load.integrator = a.integrator;
-  if (a.max_depth < -2)
+  if (a.max_depth != kNotGiven && a.max_depth < -1)
     throw Error(fmt::format("--max-depth {}: must be at least -1, which is no limit", a.max_depth));
-  if (a.max_depth >= -1)
+  if (a.max_depth != kNotGiven)
     load.integrator_parameters.push_back({"integer", "max_depth", std::to_string(a.max_depth)});
   if (a.diffraction) load.integrator_parameters.push_back({"boolean", "diffraction", "true"});
   if (a.plane.empty()) {

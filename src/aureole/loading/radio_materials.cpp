@@ -102,12 +102,10 @@ void replace_radio_materials(Node& root, Diagnostics& diagnostics) {
             replaced.others, replaced.others == 1 ? "BSDF is" : "BSDFs are",
             replaced.others == 1 ? "its" : "their", replaced.others == 1 ? "it scatters" : "they scatter"));
   if (replaced.count == 0) return;
-  std::string all;
-  for (const std::string& material : replaced.materials) all += (all.empty() ? "" : ", ") + material;
   diagnostics.note(
       replaced.first,
       fmt::format("{} {} named after building materials ({}) {} replaced by slabs of these, {} thick",
-                  replaced.count, replaced.count == 1 ? "BSDF" : "BSDFs", all,
+                  replaced.count, replaced.count == 1 ? "BSDF" : "BSDFs", fmt::join(replaced.materials, ", "),
                   replaced.count == 1 ? "is" : "are", kThickness));
 }
 

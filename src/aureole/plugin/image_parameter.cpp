@@ -100,7 +100,7 @@ PixelStatistics statistics_of(const Image& image, const std::vector<std::size_t>
 
 }  // namespace
 
-void mend_pixels(const Properties& p, std::string_view name, Image& image, PixelRange range) {
+bool mend_pixels(const Properties& p, std::string_view name, Image& image, PixelRange range) {
   const std::size_t channels = image.channel_count(), pixels = image.pixels.size() / channels;
   std::vector<std::size_t> used;
   for (const char* channel : {"R", "G", "B", "Y"})
@@ -111,7 +111,7 @@ void mend_pixels(const Properties& p, std::string_view name, Image& image, Pixel
                        pixel / std::size_t(image.width));
   };
   const auto [largest, above, below, all_finite] = statistics_of(image, used);
-  if (all_finite && (below == 0 || range == PixelRange::any)) return;
+  if (all_finite && (below == 0 || range == PixelRange::any)) return below > 0;
   std::size_t bad = 0, first_bad = 0, negative = 0, first_negative = 0;
   constexpr double kNone = std::numeric_limits<double>::infinity();
   NoiseClamp clamp(range == PixelRange::any ? -kNone : 0, kNone, largest);
@@ -144,6 +144,7 @@ void mend_pixels(const Properties& p, std::string_view name, Image& image, Pixel
     p.note(name, fmt::format("{} negative values of the picture, the first at {}, count as 0", negative,
                              place(first_negative)));
   if (clamp.any()) p.note(name, clamp.note());
+  return below > 0 && !cuts;
 }
 
 ParameterDoc image_file_doc(const std::string& meaning) {

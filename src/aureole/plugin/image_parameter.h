@@ -29,7 +29,8 @@ enum class PixelRange { any, not_negative, radiance };
 /// Makes bad pixels of R, G, B or Y harmless, with notes at the parameter `name`: NaN becomes 0, infinity the
 /// largest finite value, and negative values become 0 where they are radiances, or few (see kNegativePart);
 /// elsewhere the caller judges them. Throws Error if more than one pixel in a hundred is not finite.
-void mend_pixels(const Properties& properties, std::string_view name, Image& image, PixelRange range);
+/// Returns false if no value is negative any more.
+bool mend_pixels(const Properties& properties, std::string_view name, Image& image, PixelRange range);
 
 /// Rows of the parameter table for `filename` and `data`.
 ParameterDoc image_file_doc(const std::string& meaning);

@@ -4,7 +4,6 @@
 // picture is at v = 0.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <tuple>
@@ -184,30 +183,17 @@ private:
     return rule(colors_[i]);
   }
 
-  /// Throws the error of the first pixel that is negative.
+  /// Throws the error of the first pixel that is negative, if there is one.
   static void refuse_negative(const Properties& properties, const std::string& source, const Image& image,
                               const std::vector<int>& channels) {
-    constexpr std::size_t kNone = ~std::size_t(0);
-    std::atomic<std::size_t> first = kNone;  // index of a pixel
-    for_rows(image.width, image.height, [&](std::size_t begin, std::size_t end) {
-      const std::size_t width = std::size_t(image.width), count = image.channel_count();
-      for (std::size_t i = begin * width; i < end * width; ++i) {
-        bool negative = false;
-        for (const int c : channels) negative |= image.pixels[i * count + std::size_t(c)] < 0;
-        if (!negative) continue;
-        for (std::size_t known = first; i < known && !first.compare_exchange_weak(known, i);) {
-        }
-        return;
-      }
-    });
-    if (first == kNone) return;
-    const int px = int(first % std::size_t(image.width)), py = int(first / std::size_t(image.width));
-    for (const int c : channels)
-      if (const float v = image.at(px, py, std::size_t(c)); v < 0)
-        throw properties.error(
-            source, "the pixel at column " + std::to_string(px) + ", row " + std::to_string(py) + " is " +
-                        shown_number(v) +
-                        "; a texture needs values that are not negative (\"raw\" takes them)");
+    for (int py = 0; py < image.height; ++py)
+      for (int px = 0; px < image.width; ++px)
+        for (const int c : channels)
+          if (const float v = image.at(px, py, std::size_t(c)); v < 0)
+            throw properties.error(
+                source, "the pixel at column " + std::to_string(px) + ", row " + std::to_string(py) + " is " +
+                            shown_number(v) +
+                            "; a texture needs values that are not negative (\"raw\" takes them)");
   }
 
   void load(const Properties& properties, bool raw) {
@@ -222,8 +208,8 @@ private:
       for (const auto& name : image.channels) names += (names.empty() ? "" : ", ") + name;
       throw properties.error(source, "needs the channels R, G, B or Y, but the picture has " + names);
     }
-    mend_pixels(properties, source, image, raw ? PixelRange::any : PixelRange::not_negative);
-    if (!raw) refuse_negative(properties, source, image, color ? std::vector{r, g, b} : std::vector{y});
+    if (mend_pixels(properties, source, image, raw ? PixelRange::any : PixelRange::not_negative) && !raw)
+      refuse_negative(properties, source, image, color ? std::vector{r, g, b} : std::vector{y});
     const bool decode = image.srgb_encoded && !raw;
     std::array<float, 256> decoded;
     for (int i = 0; i < 256; ++i) decoded[i] = srgb_decode(float(i) / 255);

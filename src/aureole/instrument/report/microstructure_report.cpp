@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "aureole/instrument/report/svg_plot.h"
+#include "aureole/optics/arrangement/structure_factor.h"
 
 namespace aureole {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestFraction = 0.7;      // upper bound of `correlated_scatterers`
 constexpr double kLargestSphereSpread = 0.7;  // upper bound of `correlated_spheres`
 constexpr double kMinSpread = 0.02;  // smallest relative deviation of radii that a picture can resolve
 
@@ -148,11 +148,11 @@ Plot plot_of(const Microstructure::Curve& c, PlotSeries::Kind kind) {
 
 /// Returns an area fraction that the models of positions cover, with a note if it is another.
 double limited_fraction(double fraction, std::vector<std::string>& notes) {
-  if (fraction <= kLargestFraction) return fraction;
+  if (fraction <= optics::kMaxAreaFraction) return fraction;
   notes.push_back(
       fmt::format("the area fraction {:.4g} is above what the model of positions covers and is cut to {}",
-                  fraction, kLargestFraction));
-  return kLargestFraction;
+                  fraction, optics::kMaxAreaFraction));
+  return optics::kMaxAreaFraction;
 }
 
 /// A `correlated_spheres` element: spheres of the particles' projected areas.
