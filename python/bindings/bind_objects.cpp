@@ -61,13 +61,13 @@ nb::object python_value(const Properties::Value& value) {
   if (const auto* s = std::get_if<std::string>(&value)) return nb::cast(*s);
   if (const auto* v = std::get_if<Vec3>(&value))
     return nb::make_tuple(double(v->x), double(v->y), double(v->z));
-  if (const auto* t = std::get_if<Transform>(&value)) {
+  if (const auto* t = Properties::transform_of(value)) {
     const Result<double> matrix({4, 4});
     for (int i = 0; i < 16; ++i) matrix.data()[i] = t->matrix()[std::size_t(i / 4)][std::size_t(i % 4)];
     return matrix.object();
   }
   if (const auto* object = std::get_if<ObjectPtr>(&value)) return cast_object(*object);
-  const auto& literal = std::get<SpectrumLiteral>(value);
+  const auto& literal = *Properties::spectrum_of(value);
   nb::dict d;
   d["type"] = literal.kind == SpectrumLiteral::Kind::rgb ? "rgb" : "spectrum";
   if (literal.kind == SpectrumLiteral::Kind::value) {

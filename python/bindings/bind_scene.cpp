@@ -108,12 +108,12 @@ nb::object value_object(const Properties::Value& value) {
   if (const auto* s = std::get_if<std::string>(&value)) return nb::cast(*s);
   if (const auto* v = std::get_if<Vec3>(&value))
     return nb::make_tuple("vector", nb::make_tuple(v->x, v->y, v->z));
-  if (const auto* t = std::get_if<Transform>(&value)) {
+  if (const auto* t = Properties::transform_of(value)) {
     nb::list rows;
     for (const auto& row : t->matrix()) rows.append(nb::make_tuple(row[0], row[1], row[2], row[3]));
     return nb::make_tuple("transform", rows);
   }
-  if (const auto* s = std::get_if<SpectrumLiteral>(&value)) {
+  if (const auto* s = Properties::spectrum_of(value)) {
     if (s->kind == SpectrumLiteral::Kind::value) return nb::cast(s->value);
     if (s->kind == SpectrumLiteral::Kind::rgb)
       return nb::make_tuple("rgb", nb::make_tuple(s->rgb[0], s->rgb[1], s->rgb[2]));

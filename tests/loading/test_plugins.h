@@ -27,7 +27,7 @@ struct TestBsdf : Object {
     to_world = p.get_transform("to_world");
     length = p.get_length_m("thickness", 1);
     if (const auto* e = p.find("reflectance"))
-      if (const auto* s = std::get_if<SpectrumLiteral>(&e->value)) spectrum = *s;
+      if (const auto* s = Properties::spectrum_of(e->value)) spectrum = *s;
     if (p.has("filename")) file = p.get_file("filename");
     children = p.get_children<TestBsdf>("bsdf");
   }

@@ -58,7 +58,7 @@ TEST(Documentation, EveryParameterIsReadByAnExample) {
         for (const auto& e : written.entries()) properties.add(e.name, e.value, e.where);
         make_element(p, properties);
         properties.report_unused(diagnostics);
-        read.insert(properties.queried().begin(), properties.queried().end());
+        for (const std::string& name : properties.queried()) read.insert(name);
       } catch (const std::exception& e) {
         ADD_FAILURE() << e.what();
       }

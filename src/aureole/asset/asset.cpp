@@ -52,8 +52,13 @@ void collect(const Object& object, std::unordered_set<const Object*>& seen,
 std::vector<ShownAttribute> shown_attributes(const std::vector<const Object*>& objects) {
   std::unordered_set<const Object*> seen;
   std::vector<ShownAttribute> found;
+  const auto has_children = [](const Object& object) {
+    const auto& entries = object.properties().entries();
+    return std::any_of(entries.begin(), entries.end(),
+                       [](const auto& e) { return std::holds_alternative<ObjectPtr>(e.value); });
+  };
   for (const Object* object : objects)
-    if (object && seen.insert(object).second) collect(*object, seen, found);
+    if (object && has_children(*object) && seen.insert(object).second) collect(*object, seen, found);
   return found;
 }
 
@@ -116,7 +121,7 @@ private:
   void note_losses(const Properties& element) const;
   void take_bssrdf(const Properties& element);
   /// Returns the element's parameters without BSDF, emitter, sensor and media.
-  static Properties geometry_of(const Properties& element);
+  static std::shared_ptr<Properties> geometry_of(const Properties& element);
   /// Gives the shape its emitter and its sensor.
   void attach(GeometrySource& source);
   /// Divides a mesh into primitives by the BSDFs of the file's materials.
@@ -136,15 +141,16 @@ private:
   SurfaceMedia media_;
 };
 
-Properties ShapeAsset::geometry_of(const Properties& element) {
-  Properties geometry(element.type(), element.id(), element.where(), element.shared_context(),
-                      element.plugin());
+std::shared_ptr<Properties> ShapeAsset::geometry_of(const Properties& element) {
+  auto geometry = std::make_shared<Properties>(element.type(), element.id(), element.where(),
+                                               element.shared_context(), element.plugin());
+  geometry->reserve(element.entries().size());
   for (const Properties::Entry& e : element.entries()) {
     const auto* object = std::get_if<ObjectPtr>(&e.value);
     const Object* o = object ? object->get() : nullptr;
     if (!dynamic_cast<const Bsdf*>(o) && !dynamic_cast<const Emitter*>(o) &&
         !dynamic_cast<const Sensor*>(o) && !dynamic_cast<const Medium*>(o) && !dynamic_cast<const Bssrdf*>(o))
-      geometry.add(e.name, e.value, e.where);
+      geometry->add(e.name, e.value, e.where);
   }
   return geometry;
 }
@@ -236,7 +242,8 @@ void ShapeAsset::build(const PluginInfo& plugin, const Properties& element, Geom
   const std::vector<ShownAttribute> shown =
       shown_attributes({media_.bssrdf ? static_cast<const Object*>(media_.bssrdf.get()) : bsdf_.get(),
                         emitter_.get(), sensor_.get()});
-  Properties geometry = geometry_of(element);
+  const std::shared_ptr<Properties> shared_geometry = geometry_of(element);
+  Properties& geometry = *shared_geometry;
   std::set<std::string> names;
   for (const ShownAttribute& s : shown) names.insert(s.texture->attribute_name().text());
   geometry.set_shown_attributes({names.begin(), names.end()});

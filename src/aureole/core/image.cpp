@@ -12,6 +12,7 @@
 #include "aureole/core/input_file.h"
 #include "aureole/core/memory.h"
 #include "aureole/core/output_file.h"
+#include "aureole/core/unfilled.h"
 
 namespace aureole {
 
@@ -21,11 +22,11 @@ namespace {
   throw Error({file.string(), 0, 0}, message);
 }
 
-std::vector<unsigned char> read_bytes(const std::filesystem::path& file) {
+UnfilledVector<unsigned char> read_bytes(const std::filesystem::path& file) {
   constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 36;
   InputFile input(file);
   input.require_at_most(kMaxBytes);
-  std::vector<unsigned char> bytes(input.size());
+  UnfilledVector<unsigned char> bytes(input.size());
   input.read(bytes.data(), bytes.size());
   return bytes;
 }
@@ -113,7 +114,7 @@ bool is_image_file(const std::filesystem::path& file) {
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, std::size_t max_pixels,
                  ImageColors colors) {
   try {
-    const std::vector<unsigned char> bytes = read_bytes(file);
+    const UnfilledVector<unsigned char> bytes = read_bytes(file);
     Image image = decode(bytes, attributes, max_pixels);
     if (image.conversion && colors == ImageColors::srgb) convert_to_srgb(image);
     return image;

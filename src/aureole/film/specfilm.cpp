@@ -100,7 +100,7 @@ public:
     for (const Properties::Entry& e : p.entries()) {
       if (e.name == "bin_edges")
         for (const double nm : get_wavelength_list(p, e.name)) all.extend(nm);
-      if (const auto* spectrum = std::get_if<SpectrumLiteral>(&e.value);
+      if (const auto* spectrum = Properties::spectrum_of(e.value);
           spectrum && spectrum->kind != SpectrumLiteral::Kind::rgb)
         all.extend(range_of(*spectrum));
       if (const auto* object = std::get_if<ObjectPtr>(&e.value))
@@ -194,7 +194,7 @@ private:
   void read_bands(const Properties& p) {
     p.find("(any name)");
     for (const Properties::Entry& e : p.entries()) {
-      const auto* literal = std::get_if<SpectrumLiteral>(&e.value);
+      const auto* literal = Properties::spectrum_of(e.value);
       const auto* object = std::get_if<ObjectPtr>(&e.value);
       const auto texture = object ? std::dynamic_pointer_cast<Texture>(*object) : nullptr;
       if (e.used || (!literal && !texture)) continue;

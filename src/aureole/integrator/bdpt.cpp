@@ -22,7 +22,7 @@ public:
       : Integrator(p),
         settings_{PathLimits(p),
                   {int(p.get_int("strategy_s", -1, {-1, 1e9})), int(p.get_int("strategy_t", -1, {-1, 1e9}))}},
-        diffraction_(get_diffraction(p)) {
+        diffraction_(get_diffraction(p, DiffractionModels::beams)) {
     const auto& [s, t] = settings_.techniques;
     if (t == 0)
       throw p.error("strategy_t",
@@ -98,7 +98,7 @@ public:
 
 private:
   bdpt::Settings settings_;
-  std::optional<BeamWidth> diffraction_;
+  std::optional<DiffractionSettings> diffraction_;
 };
 
 AUREOLE_PLUGIN(

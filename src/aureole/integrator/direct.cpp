@@ -147,7 +147,7 @@ public:
   explicit DirectIntegrator(const Properties& p)
       : Integrator(p),
         limits_(PathLimits::direct(p.get_bool("hide_emitters", false))),
-        diffraction_(get_diffraction(p)) {
+        diffraction_(get_diffraction(p, DiffractionModels::all)) {
     const auto shading = p.get_int("shading_samples", 1, {0, 65536});
     if (p.has("shading_samples") && (p.has("emitter_samples") || p.has("bsdf_samples")))
       throw p.error("shading_samples",
@@ -159,7 +159,7 @@ public:
 
   bool shows_emitters() const override { return !limits_.hide_emitters; }
   SceneNeeds needs() const override { return {diffraction_}; }
-  Leaves leaves() const override { return diffraction_ ? Leaves::both : Leaves::pixel; }
+  Leaves leaves() const override { return leaves_splats(diffraction_) ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
@@ -179,7 +179,7 @@ public:
 private:
   PathLimits limits_;
   int light_samples_, bsdf_samples_;
-  std::optional<BeamWidth> diffraction_;
+  std::optional<DiffractionSettings> diffraction_;
 };
 
 AUREOLE_PLUGIN(

@@ -18,7 +18,7 @@ namespace aureole {
 
 /// The parts of a scene that an integrator needs beside surfaces, lights and media.
 struct SceneNeeds {
-  std::optional<BeamWidth> diffraction;  ///< edges diffract light in beams of that width
+  std::optional<DiffractionSettings> diffraction;  ///< how edges diffract light; empty: they do not
 };
 
 class Integrator : public Object {

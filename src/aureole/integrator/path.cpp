@@ -12,10 +12,10 @@ namespace {
 class PathIntegrator final : public Integrator {
 public:
   explicit PathIntegrator(const Properties& p)
-      : Integrator(p), limits_(p), diffraction_(get_diffraction(p)) {}
+      : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::all)) {}
 
   SceneNeeds needs() const override { return {diffraction_}; }
-  Leaves leaves() const override { return diffraction_ ? Leaves::both : Leaves::pixel; }
+  Leaves leaves() const override { return leaves_splats(diffraction_) ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
   bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }
 
@@ -49,7 +49,7 @@ private:
   }
 
   PathLimits limits_;
-  std::optional<BeamWidth> diffraction_;
+  std::optional<DiffractionSettings> diffraction_;
 };
 
 AUREOLE_PLUGIN(

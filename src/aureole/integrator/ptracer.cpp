@@ -33,7 +33,8 @@ private:
 
 class ParticleTracer final : public Integrator {
 public:
-  explicit ParticleTracer(const Properties& p) : Integrator(p), limits_(p), diffraction_(get_diffraction(p)) {
+  explicit ParticleTracer(const Properties& p)
+      : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::beams)) {
     if (p.has("samples_per_pass"))
       p.note("samples_per_pass", "work is divided by itself: \"samples_per_pass\" has no effect");
     p.get_int("samples_per_pass", -1);
@@ -90,7 +91,7 @@ private:
   }
 
   PathLimits limits_;
-  std::optional<BeamWidth> diffraction_;
+  std::optional<DiffractionSettings> diffraction_;
 };
 
 AUREOLE_PLUGIN(

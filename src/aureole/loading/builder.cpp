@@ -43,9 +43,10 @@ Error unknown_element(const Node& node) {
 ObjectPtr Builder::object(const Node& node) {
   const Node* t = target(node);
   if (!t) return nullptr;
-  const auto [slot, is_new] = built_.try_emplace(t, nullptr);
-  if (!is_new) return slot->second;
-  if (t->tag == "given") return built_[t] = given(*t);
+  const auto [place, is_new] = built_.try_emplace(t, nullptr);
+  ObjectPtr& slot = place->second;  // stays where it is while construct() adds children
+  if (!is_new) return slot;
+  if (t->tag == "given") return slot = given(*t);
   const bool may_keep = pool_ && ObjectPool::keeps(object_family(*t));
   ObjectPtr object = may_keep ? pool_->find(keys_.of(*t)) : nullptr;
   if (object) {
@@ -57,7 +58,7 @@ ObjectPtr Builder::object(const Node& node) {
     // Objects of a scene with errors may lack their tables (`Properties::shared_model`).
     if (object && may_keep && !diagnostics_.has_errors()) pool_->add(keys_.of(*t), object);
   }
-  return built_[t] = object;  // `slot` may be invalid by now: construct() adds children
+  return slot = object;
 }
 
 ObjectPtr Builder::find(std::string_view family, const std::string& id) {
@@ -88,10 +89,11 @@ const PluginInfo* Builder::plugin_of(const Node& node, const PluginAlias** alias
 ObjectPtr Builder::construct(const Node& node) {
   const PluginAlias* alias = nullptr;
   const PluginInfo* plugin = plugin_of(node, &alias);
-  Properties properties(plugin ? plugin->name : node.get("type"), node.get("id"), node.where, context_,
-                        plugin);
-
+  const auto shared = std::make_shared<Properties>(plugin ? plugin->name : node.get("type"), node.get("id"),
+                                                   node.where, context_, plugin);
+  Properties& properties = *shared;
   properties.set_content(keys_.content_of(node, *context_));
+  properties.reserve(node.children.size());
 
   bool good = plugin != nullptr;
   for (const Node& child : node.children) {
@@ -150,7 +152,7 @@ ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Prop
   try {
     ObjectPtr object;
     if (pool_ && plugin.family == "shape")
-      object = make_asset(plugin, properties, *pool_->geometry_source(keys_.of(node)));
+      object = make_asset(plugin, properties, *pool_->geometry_source(keys_.geometry_of(node)));
     else
       object = make_element(plugin, properties);
     if (!object) throw Error("the plug-in made no object");

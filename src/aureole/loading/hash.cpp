@@ -148,9 +148,8 @@ struct PoolKeys::Maker : KeyMaker {
 PoolKeys::PoolKeys(const References& references, const std::map<std::string, ObjectPtr>& given)
     : maker_(std::make_unique<Maker>(references, given)) {}
 PoolKeys::~PoolKeys() = default;
-ObjectPool::Key PoolKeys::of(const Node& node) {
-  return {maker_->key(node), object_family(node) == "shape" ? maker_->key(node, true) : 0};
-}
+std::uint64_t PoolKeys::of(const Node& node) { return maker_->key(node); }
+std::uint64_t PoolKeys::geometry_of(const Node& node) { return maker_->key(node, true); }
 std::uint64_t PoolKeys::content_of(const Node& node, const BuildContext& context) {
   Hash hash;
   hash.number(maker_->content(node));

@@ -92,13 +92,13 @@ void ObjectPool::begin(const BuildContext& context) {
   }
 }
 
-ObjectPtr ObjectPool::find(const Key& key) const {
-  const auto found = objects_.find(key.whole);
+ObjectPtr ObjectPool::find(std::uint64_t key) const {
+  const auto found = objects_.find(key);
   return found == objects_.end() ? nullptr : found->second;
 }
 
-std::unique_ptr<GeometrySource> ObjectPool::geometry_source(const Key& key) {
-  return std::make_unique<Source>(*this, key.geometry);
+std::unique_ptr<GeometrySource> ObjectPool::geometry_source(std::uint64_t key) {
+  return std::make_unique<Source>(*this, key);
 }
 
 ObjectPool::Entry& ObjectPool::add_entry(std::uint64_t key, const std::vector<std::string>& attributes) {

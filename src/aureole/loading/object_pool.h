@@ -18,12 +18,6 @@ namespace aureole {
 
 class ObjectPool {
 public:
-  /// Hash of an element and of everything below it, including the files that it names.
-  struct Key {
-    std::uint64_t whole = 0;
-    std::uint64_t geometry = 0;  ///< for a shape: without its BSDF, emitter and sensor
-  };
-
   /// Tables shared by all builds.
   const std::shared_ptr<ModelCache>& models() const { return models_; }
 
@@ -32,12 +26,12 @@ public:
   void begin(const BuildContext& context);
   /// Whether objects of a family are kept entirely. For shapes only the geometry is kept (`geometry_source`).
   static bool keeps(const std::string& family);
-  /// Returns an object made from an equal element, or null.
-  ObjectPtr find(const Key& key) const;
-  void add(const Key& key, const ObjectPtr& object) { objects_.emplace(key.whole, object); }
-  /// Returns a source of the kept geometry of the shape with that key; if there is none, it makes the
-  /// geometry and keeps it. It must not be used after the next `begin`.
-  std::unique_ptr<GeometrySource> geometry_source(const Key& key);
+  /// Returns an object made from an equal element (`PoolKeys::of`), or null.
+  ObjectPtr find(std::uint64_t key) const;
+  void add(std::uint64_t key, const ObjectPtr& object) { objects_.emplace(key, object); }
+  /// Returns a source of the kept geometry of the shape with that key (`PoolKeys::geometry_of`); if there is none, it
+  /// makes the geometry and keeps it. It must not be used after the next `begin`.
+  std::unique_ptr<GeometrySource> geometry_source(std::uint64_t key);
   bool empty() const { return objects_.empty() && shapes_.empty(); }
   /// Releases objects to which nothing outside the pool refers.
   void trim();
@@ -70,7 +64,7 @@ private:
   Entry& add_entry(std::uint64_t key, const std::vector<std::string>& attributes);
 
   std::unordered_map<std::uint64_t, ObjectPtr> objects_;
-  std::unordered_map<std::uint64_t, EqualShapes> shapes_;  ///< by `Key::geometry`
+  std::unordered_map<std::uint64_t, EqualShapes> shapes_;  ///< by `PoolKeys::geometry_of`
   std::shared_ptr<ModelCache> models_ = std::make_shared<ModelCache>();
   SpectralGrid grid_;
   double length_unit_m_ = 0;
@@ -84,7 +78,10 @@ public:
   /// `given` maps keys to the objects made by the program.
   PoolKeys(const References& references, const std::map<std::string, ObjectPtr>& given);
   ~PoolKeys();
-  ObjectPool::Key of(const Node& node);
+  /// Hash of an element and of everything below it, including the files that it names.
+  std::uint64_t of(const Node& node);
+  /// Hash of a shape's element without its BSDF, emitter and sensor.
+  std::uint64_t geometry_of(const Node& node);
   /// Hash of an object's inputs: of its element without its name and ids, and of the settings of the scene.
   std::uint64_t content_of(const Node& node, const BuildContext& context);
 

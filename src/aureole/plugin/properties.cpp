@@ -33,9 +33,18 @@ std::string describe(const Properties::Value& v) {
   }
 }
 
+template <class T, class U>
+void add_once(std::vector<T>& values, const U& value) {
+  if (std::find(values.begin(), values.end(), value) != values.end()) return;
+  if (values.empty()) values.reserve(8);
+  values.emplace_back(value);
+}
+
 }  // namespace
 
-Object::Object(const Properties& properties) : properties_(std::make_shared<Properties>(properties)) {}
+Object::Object(const Properties& properties) : properties_(properties.weak_from_this().lock()) {
+  if (!properties_) properties_ = std::make_shared<Properties>(properties);
+}
 Object::~Object() = default;
 const std::string& Object::id() const { return properties_->id(); }
 
@@ -58,10 +67,18 @@ bool Properties::has(std::string_view name) const {
 }
 
 void Properties::require_documented(std::string_view name) const {
-  if (plugin_ && !plugin_->documents(name))
+  if (!plugin_) return add_once(queried_without_plugin_, name);
+  const ParameterDoc* row = plugin_->parameter(name);
+  if (!row)
     throw std::logic_error("plug-in \"" + plugin_->name + "\" reads the undocumented parameter \"" +
                            std::string(name) + "\"");
-  if (std::find(queried_.begin(), queried_.end(), name) == queried_.end()) queried_.emplace_back(name);
+  add_once(queried_, row);
+}
+
+std::vector<std::string> Properties::queried() const {
+  std::vector<std::string> names = queried_without_plugin_;
+  for (const ParameterDoc* row : queried_) names.push_back(row->name);
+  return names;
 }
 
 const Properties::Entry* Properties::find(std::string_view name) const {
@@ -177,7 +194,7 @@ Transform Properties::get_transform(std::string_view name) const {
   const Entry* e = find(name);
   if (!e) return {};
   return tolerate(Transform(), [&] {
-    const Transform* t = std::get_if<Transform>(&e->value);
+    const Transform* t = transform_of(e->value);
     if (!t) throw wrong_type(*e, "a transform");
     if (t->is_singular()) throw error(name, "the transform is singular (it cannot be inverted)");
     if (!t->stays_near()) throw error(name, "leads beyond the coordinate 9e17, where rays end");
@@ -274,8 +291,9 @@ void Properties::take_reads(const Properties& part) const {
   for (const Entry& read : part.entries_)
     for (const Entry& e : entries_)
       if (read.used && same(read, e)) e.used = true;
-  for (const std::string& name : part.queried_)
-    if (std::find(queried_.begin(), queried_.end(), name) == queried_.end()) queried_.push_back(name);
+  // The part was made for this plug-in, or both have none.
+  for (const ParameterDoc* row : part.queried_) add_once(queried_, row);
+  for (const std::string& name : part.queried_without_plugin_) add_once(queried_without_plugin_, name);
 }
 
 void Properties::mark_all_read() const {
@@ -294,7 +312,7 @@ void Properties::report_unused(Diagnostics& diagnostics) const {
       diagnostics.error(e.where, "\"" + type_ + "\" has no use for this child object");
       continue;
     }
-    std::vector<std::string> names = plugin_ ? plugin_->parameter_names() : queried_;
+    std::vector<std::string> names = plugin_ ? plugin_->parameter_names() : queried_without_plugin_;
     std::string suggestion = did_you_mean(e.name, names);
     if (plugin_ && plugin_->documents(e.name)) {
       diagnostics.error(e.where, "parameter \"" + e.name +

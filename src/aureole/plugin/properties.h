@@ -26,6 +26,7 @@
 
 namespace aureole {
 
+struct ParameterDoc;
 struct PluginInfo;
 
 /// Gives an object under construction access to the other objects of the scene.
@@ -70,10 +71,27 @@ struct Range {
   static Range unit() { return {0, 1}; }
 };
 
-class Properties {
+/// A constant of type T that its copies share, so that a variant with a large alternative stays small.
+template <class T>
+class Shared {
 public:
-  using Value =
-      std::variant<bool, std::int64_t, double, std::string, Vec3, Transform, SpectrumLiteral, ObjectPtr>;
+  Shared(T value) : value_(std::make_shared<const T>(std::move(value))) {}
+  const T& operator*() const { return *value_; }
+
+private:
+  std::shared_ptr<const T> value_;
+};
+
+/// `Object` shares properties that a std::shared_ptr owns and copies others.
+class Properties : public std::enable_shared_from_this<Properties> {
+public:
+  using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Shared<Transform>,
+                             Shared<SpectrumLiteral>, ObjectPtr>;
+  /// Returns the value if it has that type, or null.
+  static const Transform* transform_of(const Value& value) { return get_if_shared<Transform>(value); }
+  static const SpectrumLiteral* spectrum_of(const Value& value) {
+    return get_if_shared<SpectrumLiteral>(value);
+  }
   struct Entry {
     std::string name;  ///< empty for unnamed child objects
     Value value;
@@ -100,6 +118,8 @@ public:
   const std::vector<std::string>& shown_attributes() const { return shown_attributes_; }
   void set_shown_attributes(std::vector<std::string> names) { shown_attributes_ = std::move(names); }
 
+  /// Allocates memory for so many parameters.
+  void reserve(std::size_t count) { entries_.reserve(count); }
   /// Adds a parameter. Throws Error at `where` if the name is taken.
   void add(std::string name, Value value, SourceLocation where);
   const std::vector<Entry>& entries() const { return entries_; }
@@ -211,10 +231,15 @@ public:
 
   /// Reports every unread entry as an error, with a suggestion.
   void report_unused(Diagnostics& diagnostics) const;
-  /// Names of the documented parameters queried so far, present or not (for the documentation test).
-  const std::vector<std::string>& queried() const { return queried_; }
+  /// Names of the parameters queried so far, present or not. With a plug-in all of them are documented.
+  std::vector<std::string> queried() const;
 
 private:
+  template <class T>
+  static const T* get_if_shared(const Value& value) {
+    const auto* shared = std::get_if<Shared<T>>(&value);
+    return shared ? &**shared : nullptr;
+  }
   template <class T>
   std::shared_ptr<T> cast(const Entry& e) const {
     if (const auto* object = std::get_if<ObjectPtr>(&e.value))
@@ -233,7 +258,8 @@ private:
   std::uint64_t content_ = 0;
   std::vector<Entry> entries_;
   std::vector<std::string> shown_attributes_;
-  mutable std::vector<std::string> queried_;
+  mutable std::vector<const ParameterDoc*> queried_;         ///< rows of the plug-in that were queried
+  mutable std::vector<std::string> queried_without_plugin_;  ///< names, if there is no plug-in
   /// State of the constructor that is running with these parameters. A copy starts with an empty state.
   struct Making {
     bool now = false;

@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "aureole/scene/contact_search.h"
+#include "aureole/scene/edge/outline_edges.h"
 #include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -102,6 +103,12 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   weigh_lights();
   if (!parts_.diffraction) {
     if (std::string note = note_without_diffraction(parts_); !note.empty()) notes_.push_back(std::move(note));
+    return;
+  }
+  if (parts_.diffraction->model == DiffractionSettings::Model::segments) {
+    const bool same = reuse && reuse->outline_edges_ && has_same_outlines(parts_, reuse->parts_);
+    outline_edges_ = same ? reuse->outline_edges_ : std::make_shared<const OutlineEdges>(parts_);
+    notes_.insert(notes_.end(), outline_edges_->notes().begin(), outline_edges_->notes().end());
     return;
   }
   const bool reuses = reuse && reuse->diffraction_;

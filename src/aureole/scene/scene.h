@@ -18,6 +18,7 @@
 namespace aureole {
 
 class EmittingMedia;
+class OutlineEdges;
 class SceneDiffraction;
 struct DiffractionInput;
 
@@ -90,8 +91,10 @@ public:
   const LightSampler& lights() const { return lights_; }
   /// The emissive media that fill a volume; null if there are none.
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
-  /// Data for diffraction at edges; null if light is not diffracted.
+  /// Data for diffraction at edges by the model "beams"; null if light is not diffracted so.
   const SceneDiffraction* diffraction() const { return diffraction_.get(); }
+  /// The edges of the diffraction model "segments"; null if light is not diffracted so.
+  const OutlineEdges* outline_edges() const { return outline_edges_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return surfaces_.tracer->bounds(); }
   /// Notes for the user about the whole scene.
@@ -125,6 +128,7 @@ private:
   LightSampler lights_;
   std::shared_ptr<const EmittingMedia> emitting_media_;
   std::shared_ptr<const SceneDiffraction> diffraction_;
+  std::shared_ptr<const OutlineEdges> outline_edges_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< bounds of the emissive shapes, if they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;

@@ -12,6 +12,7 @@
 
 #include "aureole/core/image.h"
 #include "aureole/core/parallel.h"
+#include "aureole/core/unfilled.h"
 #include "aureole/core/units.h"
 #include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
@@ -271,9 +272,9 @@ private:
   Wrap wrap_ = Wrap::repeat;
   int width_ = 0, height_ = 0;
   // Exactly one of the three is not empty.
-  std::vector<UpsampledColor> colors_;
-  std::vector<float> greys_;
-  std::vector<Vec3> rgbs_;
+  UnfilledVector<UpsampledColor> colors_;
+  UnfilledVector<float> greys_;
+  UnfilledVector<Vec3> rgbs_;
   float minimum_ = 0, maximum_ = 0;
 };
 

@@ -190,7 +190,7 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
 SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded) {
   const Properties::Entry* e = properties.find(name);
   if (!e) throw properties.error(name, "needs the parameter \"" + std::string(name) + "\"");
-  const auto* literal = std::get_if<SpectrumLiteral>(&e->value);
+  const auto* literal = Properties::spectrum_of(e->value);
   if (!literal || literal->kind != SpectrumLiteral::Kind::rgb)
     throw properties.error(name, "expected an rgb colour");
   SpectrumLiteral checked = *literal;
@@ -217,7 +217,7 @@ TexturePtr read_texture(const Properties& properties, std::string_view name, Spe
     number = *d;
   else if (const auto* i = std::get_if<std::int64_t>(&e->value))
     number = double(*i);
-  else if (const auto* literal = std::get_if<SpectrumLiteral>(&e->value))
+  else if (const auto* literal = Properties::spectrum_of(e->value))
     return make_spectrum_texture(properties, name, *literal, role);
   else if (std::holds_alternative<ObjectPtr>(e->value)) {
     TexturePtr texture = properties.get_object<Texture>(name);

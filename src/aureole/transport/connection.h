@@ -60,8 +60,9 @@ struct TestSegment : Segment {
   /// relative to the hero's pdf of the path (balance heuristic over techniques and wavelengths). With media
   /// `finish` does, since pdfs depend on what lies between.
   void weigh(bool has_media, const Spectrum& own_pdf, const Spectrum& other_pdf, const Wavelengths& w) {
+    own = own_pdf, other = other_pdf;
     if (has_media)
-      own = own_pdf, other = other_pdf, passage = Spectrum(1.f) / w.pdf;
+      passage = Spectrum(1.f) / w.pdf;
     else
       passage = Spectrum(1.f) / (w.pdf * sum(own_pdf + other_pdf));
   }

@@ -5,30 +5,35 @@
 
 #include "aureole/transport/edge_ledger.h"
 #include "aureole/transport/edges.h"
+#include "aureole/transport/segment_diffraction.h"
 
 namespace aureole {
 
 /// State of a path in `Space::any`.
 using DiffractionState = AfterEdge;
 
-/// The factor by which edges beside a segment of that length from `origin` along `d` change the light that
+/// The factor by which edges beside a free segment of that length from `origin` along `d` change the light that
 /// passes it; 1 in scenes without edges that diffract. `key` is for random numbers.
 inline Spectrum diffraction_factor(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                                    const Wavelengths& w, std::uint32_t key) {
+  if (scene.outline_edges()) return segment_diffraction(scene, origin, d, length, true, w);
   return scene.diffraction() ? left_by_edges(scene, {origin, d, length}, w, key) : Spectrum(1.f);
 }
 
-/// Multiplies the passage of a complete segment by its diffraction factor.
-inline void apply_diffraction(const Scene& scene, TestSegment& segment, const Wavelengths& w,
-                              std::uint32_t key) {
-  if (scene.diffraction()) segment.passage *= left_by_edges(scene, LightWay::of(segment), w, key);
+/// Multiplies the passage of a connection by its diffraction factor after its visibility test, of which `is_open` is the
+/// result; true where light arrives. `passage_if_blocked`: its passage without what blocks it.
+inline bool apply_diffraction(const Scene& scene, TestSegment& segment, bool is_open,
+                              const Spectrum& passage_if_blocked, const Wavelengths& w, std::uint32_t key) {
+  if (scene.outline_edges()) return diffract_connection(scene, segment, is_open, passage_if_blocked, w);
+  if (is_open && scene.diffraction()) segment.passage *= left_by_edges(scene, LightWay::of(segment), w, key);
+  return is_open;
 }
 
-/// Tests a single connection: true where its far end is visible; `passage` is complete then.
+/// Tests a single connection: true where light arrives from its far end; `passage` is complete then.
 inline bool arrives(const Scene& scene, TestSegment& connection, const Wavelengths& w, std::uint32_t key) {
-  if (!is_visible(scene, connection, w)) return false;
-  apply_diffraction(scene, connection, w, key);
-  return true;
+  const Spectrum before = connection.passage;
+  const bool is_open = is_visible(scene, connection, w);
+  return apply_diffraction(scene, connection, is_open, before, w, key);
 }
 
 }  // namespace aureole

@@ -61,10 +61,13 @@ struct BatchConnections {
   Connection of_path[kBatch];
 };
 
-/// Tells the steps the result of a connection.
+/// Tells the steps the result of a connection. `passage_if_blocked`: its passage without what blocks it.
 template <class Steps, class Connection>
-void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
-  if (open) apply_diffraction(scene, c, steps.wavelengths(path), steps.connection_key(path));
+void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open,
+                    const Spectrum& passage_if_blocked) {
+  if (open || scene.outline_edges())
+    open = apply_diffraction(scene, c, open, passage_if_blocked, steps.wavelengths(path),
+                             steps.connection_key(path));
   steps.end_connection(path, k, c, open);
 }
 
@@ -76,13 +79,14 @@ template <class Steps, class Connection>
     connections.rays.intersect(scene.tracer(), RayTracer::Rays::incoherent,
                                [&](int path, const RayTracer::Hit& hit) {
                                  Connection& c = connections.of_path[path];
+                                 const Spectrum before = c.passage;
                                  const Event event = cross(scene, hit, c, steps.wavelengths(path));
                                  if (event == Event::crossed) {
                                    connections.rays.add(path, c.ray);
                                    return;
                                  }
                                  if (event == Event::escape && scene.has_media()) c.finish();
-                                 end_connection(scene, steps, path, k, c, event == Event::escape);
+                                 end_connection(scene, steps, path, k, c, event == Event::escape, before);
                                });
 }
 
@@ -100,7 +104,7 @@ template <class Steps, class Connection>
   if (steps.needs_march()) return march_all(scene, steps, k, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
     Connection& c = connections.of_path[path];
-    end_connection(scene, steps, path, k, c, open || is_lost(scene, c));
+    end_connection(scene, steps, path, k, c, open || is_lost(scene, c), c.passage);
   });
 }
 

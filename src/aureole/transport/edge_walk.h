@@ -9,6 +9,7 @@
 #include "aureole/transport/edges.h"
 #include "aureole/transport/path.h"
 #include "aureole/transport/path_log.h"
+#include "aureole/transport/segment_diffraction.h"
 #include "aureole/transport/two_way.h"
 #include "aureole/transport/walk_state.h"
 
@@ -49,8 +50,11 @@ public:
   /// present ray.
   template <class W>
   void attenuate(W& walk, int i, float length) const {
-    if (!W::kDiffracts || !scene_.diffraction()) return;
+    if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
+    if (scene_.outline_edges())
+      return s.density.attenuate(
+          segment_diffraction(scene_, s.segment.origin, s.segment.ray.d, length, true, walk.wavelengths(i)));
     const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.diffraction.end()};
     s.density.attenuate(left_by_edges(scene_, segment, walk.wavelengths(i),
                                       key(walk.samples(i), s.vertex, Stream::distance)));

@@ -15,7 +15,7 @@ namespace aureole {
 /// diffract light, so that paths among its surfaces need not ask for them at every step.
 enum class Space { empty, any };
 inline Space space_of(const Scene& scene) {
-  return scene.has_media() || scene.diffraction() ? Space::any : Space::empty;
+  return scene.has_media() || scene.diffraction() || scene.outline_edges() ? Space::any : Space::empty;
 }
 
 /// Value and pdf of scattering at a vertex for one given direction.

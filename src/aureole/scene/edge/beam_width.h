@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `BeamWidth`: how wide the beams of light are that edges diffract.
+// `BeamWidth`: how wide the beams of light are that edges diffract; and the settings of diffraction.
 #pragma once
 
 #include <string>
@@ -24,6 +24,18 @@ struct BeamWidth {
 
   /// "25" or "25 wavelengths", "3mm", "fresnel 10m". Throws Error.
   static BeamWidth parse(const std::string& text);
+};
+
+/// How edges diffract light (docs/diffraction.md).
+struct DiffractionSettings {
+  enum class Model {
+    beams,    ///< an edge is a scatterer in beams of that width
+    segments  ///< each straight segment has the factor |u/u0|^2 of the edges beside it
+  };
+  Model model = Model::beams;
+  BeamWidth width{};  ///< of the model `beams`
+
+  bool operator==(const DiffractionSettings&) const = default;
 };
 
 /// Where the width of beams does not suit the scene.

@@ -39,7 +39,8 @@ SceneDiffraction::SceneDiffraction(const DiffractionInput& in, const SceneDiffra
                                    const DiffractionInput* before) {
   const bool same_edges = reuse && has_same_edges(in, *before),
              same_lights = same_edges && has_same_lights(in, *before);
-  edges_ = same_edges ? reuse->edges_ : std::make_shared<const SceneEdges>(in.parts, *in.parts.diffraction);
+  edges_ =
+      same_edges ? reuse->edges_ : std::make_shared<const SceneEdges>(in.parts, in.parts.diffraction->width);
   if (edges_->empty())
     notes_.push_back("no shape of the scene has edges that diffract: no light is diffracted");
   notes_.insert(notes_.end(), edges_->notes().begin(), edges_->notes().end());

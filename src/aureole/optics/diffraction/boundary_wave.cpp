@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/diffraction/boundary_wave.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "aureole/optics/gauss_legendre.h"
+#include "aureole/optics/lanes.h"
+
+namespace aureole::optics {
+
+namespace {
+
+using Complex = std::complex<double>;
+using std::numbers::pi;
+
+/// The corner wave over exp(i pi r^2/2), which is a smooth function. The integral over x = tan(phi) is turned into the
+/// complex plane, x^2 = tan^2(psi) + i t/a with a = pi v^2/2, where the integrand falls as exp(-t); s = sqrt(t).
+Complex smooth_corner(double r, double psi) {
+  if (r == 0) return (pi / 2 - psi) / (2 * pi);
+  // Near psi = pi/2 the line runs along the radius: the angle that is left is small, and so is the wave.
+  const double cosine = std::cos(psi);
+  const double a = pi / 2 * r * r * cosine * cosine;
+  if (a == 0) return 0;
+  const double x0 = std::tan(psi), y0 = 1 / (cosine * cosine);
+  static const Quadrature rule = gauss_legendre(12, 0, 1);
+  // The integrand changes where s is sqrt(a) tan(psi), sqrt(a) or 1: cells grow by a constant ratio up to the end of
+  // exp(-s^2).
+  Complex sum = 0;
+  constexpr double kEnd = 6.5;
+  double from = 0, to = std::min(kEnd / 2, 0.25 * std::sqrt(a) * std::clamp(x0, 1e-3, 1.0));
+  while (from < kEnd) {
+    for (std::size_t i = 0; i < rule.x.size(); ++i) {
+      const double s = from + (to - from) * rule.x[i];
+      const Complex it(0, s * s / a);
+      sum += rule.weight[i] * (to - from) * std::exp(-s * s) * s / (std::sqrt(x0 * x0 + it) * (y0 + it));
+    }
+    from = to, to = std::min(kEnd, to * 2);
+  }
+  return Complex(0, 1) * sum / (a * 2 * pi);
+}
+
+/// `smooth_corner` on a grid of x = r/(1 + r) and w, psi = (pi/2) w^2: near psi = 0 it changes within 1/r.
+class CornerTable {
+public:
+  CornerTable() : values_(kRows * kColumns) {
+    for (int i = 0; i < kRows; ++i)
+      for (int j = 0; j < kColumns; ++j) {
+        const double x = double(i) / (kRows - 1);
+        const double w = double(j) / (kColumns - 1), psi = pi / 2 * w * w;
+        // At r = infinity only the limit 0 is left.
+        values_[std::size_t(i * kColumns + j)] =
+            i == kRows - 1 ? Complex(0) : smooth_corner(x / (1 - x), psi);
+      }
+  }
+  /// The four columns about an angle, with their weights; the same for all r.
+  class Column {
+  public:
+    Column(const CornerTable& table, double psi) : table_(table) {
+      const double y = std::sqrt(psi / (pi / 2)) * (kColumns - 1);
+      first_ = std::clamp(int(y) - 1, 0, kColumns - 4);
+      const auto q = weights(y - first_);
+      low_ = Lanes{q[0], q[0], q[1], q[1]}, high_ = Lanes{q[2], q[2], q[3], q[3]};
+    }
+    Complex at(double r) const {
+      const double x = r / (1 + r) * (kRows - 1);
+      const int i = std::clamp(int(x) - 1, 0, kRows - 4);
+      const auto p = weights(x - i);
+      Lanes sum{};
+      for (int k = 0; k < 4; ++k) {
+        const auto* row =
+            reinterpret_cast<const double*>(&table_.values_[std::size_t((i + k) * kColumns + first_)]);
+        sum += p[std::size_t(k)] * (low_ * load_lanes(row) + high_ * load_lanes(row + 4));
+      }
+      return {sum[0] + sum[2], sum[1] + sum[3]};
+    }
+
+  private:
+    const CornerTable& table_;
+    int first_;
+    Lanes low_, high_;  ///< weights of the first and the last two columns, for real and imaginary parts
+  };
+
+private:
+  static constexpr int kRows = 129, kColumns = 97;
+
+  /// Lagrange's cubic through the points 0, 1, 2, 3.
+  static std::array<double, 4> weights(double t) {
+    const double a = t, b = t - 1, c = t - 2, d = t - 3;
+    return {-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6};
+  }
+  std::vector<Complex> values_;
+};
+
+Complex wave_factor(double v) { return std::polar(1.0, pi / 2 * v * v); }
+
+const CornerTable& corner_table() {
+  static const CornerTable table;
+  return table;
+}
+
+/// Up to kLanes wavelengths at once; those behind the last one repeat it.
+struct WavelengthLanes {
+  WavelengthLanes(std::span<const double> wavelengths)
+      : count(int(std::min<std::size_t>(kLanes, wavelengths.size()))) {
+    for (int i = 0; i < kLanes; ++i) inverse[i] = 1 / wavelengths[std::size_t(std::min(i, count - 1))];
+  }
+  int count;
+  Lanes inverse;
+};
+
+/// Adds the wave of a half line that begins at `radius` from the axis and at the angle `psi` from its foot.
+void add_half_line(double factor, double radius, double psi, std::span<const double> wavelengths,
+                   double window, Complex* sum) {
+  const CornerTable::Column column(corner_table(), psi);
+  for (std::size_t from = 0; from < wavelengths.size(); from += kLanes) {
+    const WavelengthLanes lanes(wavelengths.subspan(from));
+    Lanes sine, cosine;
+    sine_cosine(lanes.inverse * (pi / 2 * radius * radius), sine, cosine);
+    for (int i = 0; i < lanes.count; ++i) {
+      const double r = radius * std::sqrt(lanes.inverse[i]);
+      const double weight = factor * window_weight(r, window);
+      if (weight != 0) sum[from + std::size_t(i)] += weight * Complex(cosine[i], sine[i]) * column.at(r);
+    }
+  }
+}
+
+}  // namespace
+
+Complex corner_wave(double r, double psi) {
+  return wave_factor(r) * CornerTable::Column(corner_table(), psi).at(r);
+}
+
+Complex corner_wave_by_quadrature(double r, double psi) { return wave_factor(r) * smooth_corner(r, psi); }
+
+double window_weight(double v, double window) {
+  const double t = std::clamp((std::abs(v) / window - 1) * 3, 0.0, 1.0);
+  return 1 - t * t * (3 - 2 * t);
+}
+
+BoundaryPiece::BoundaryPiece(PlanePoint begin, PlanePoint end, PieceObliquity c) : c_middle_(c.middle) {
+  double across = begin.x * end.y - begin.y * end.x;
+  if (across < 0) {
+    std::swap(begin, end), std::swap(c.begin, c.end);
+    across = -across;
+  }
+  const double x = end.x - begin.x, y = end.y - begin.y, size = std::hypot(x, y);
+  foot_ = size > 0 ? across / size : std::hypot(begin.x, begin.y);
+  const auto set = [&](int i, PlanePoint p, double obliquity) {
+    radius_[i] = std::hypot(p.x, p.y);
+    const double along = size > 0 ? (p.x * x + p.y * y) / size : 0;
+    psi_[i] = std::atan2(along, foot_);
+    c_[i] = obliquity;
+  };
+  set(0, begin, c.begin), set(1, end, c.end);
+}
+
+bool BoundaryPiece::is_short(double wavelength) const {
+  constexpr double kPhase = 1, kRatio = 1.1;
+  const bool has_foot = psi_[0] < 0 && psi_[1] > 0;  // the phase falls and rises again
+  const double a = radius_[0] * radius_[0], b = radius_[1] * radius_[1];
+  const double most = std::max(a, b);
+  const double least = has_foot ? foot_ * foot_ : std::min(a, b);
+  return most < kRatio * least && pi / 2 * (most - least) < (has_foot ? kPhase / 5 : kPhase) * wavelength;
+}
+
+/// Gauss's rule of three nodes over the azimuth.
+void BoundaryPiece::add_short(double factor, std::span<const double> wavelengths, double window,
+                              Complex* sum) const {
+  constexpr double kNode = 0.77459666924148337704, kWeights[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+  const double half = 0.5 * (psi_[1] - psi_[0]), middle = 0.5 * (psi_[0] + psi_[1]);
+  const double scale = factor * half / pi * 0.5 * (c_[0] + c_[1]);
+  double squares[3];
+  for (int k = 0; k < 3; ++k) {
+    const double cosine = std::cos(middle + (k - 1) * kNode * half);
+    squares[k] = foot_ * foot_ / (cosine * cosine);
+  }
+  const double radius = std::sqrt(squares[1]);
+  for (std::size_t from = 0; from < wavelengths.size(); from += kLanes) {
+    const WavelengthLanes lanes(wavelengths.subspan(from));
+    Lanes real{}, imaginary{};
+    for (int k = 0; k < 3; ++k) {
+      Lanes sine, cosine;
+      sine_cosine(lanes.inverse * (pi / 2 * squares[k]), sine, cosine);
+      real += kWeights[k] * cosine, imaginary += kWeights[k] * sine;
+    }
+    for (int i = 0; i < lanes.count; ++i) {
+      const double weight = scale * window_weight(radius * std::sqrt(lanes.inverse[i]), window);
+      sum[from + std::size_t(i)] += Complex(weight * real[i], weight * imaginary[i]);
+    }
+  }
+}
+
+void BoundaryPiece::add(double factor, std::span<const double> wavelengths, double window,
+                        Complex* sum) const {
+  if (is_short(*std::min_element(wavelengths.begin(), wavelengths.end())))
+    return add_short(factor, wavelengths, window, sum);
+  // The wave of an endless line is that of its two halves.
+  if (psi_[0] < 0 && psi_[1] >= 0) add_half_line(2 * factor * c_middle_, foot_, 0, wavelengths, window, sum);
+  for (int i = 0; i < 2; ++i) {
+    // The wave from the foot to an end is that of the half line less that beyond the end; psi = 0 belongs to psi > 0.
+    const double sign = (psi_[i] >= 0 ? 1 : -1) * (i == 1 ? 1 : -1);
+    add_half_line(-sign * factor * c_[i], radius_[i], std::min(std::abs(psi_[i]), pi / 2), wavelengths,
+                  window, sum);
+  }
+}
+
+}  // namespace aureole::optics

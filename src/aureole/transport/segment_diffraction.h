@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The diffraction factor |u/u0|^2 of segments in scenes with the diffraction model "segments" (docs/diffraction.md): it
+// may be nonzero where the segment is blocked, and above 1 where it is free.
+#pragma once
+
+#include "aureole/scene/scene.h"
+#include "aureole/transport/connection.h"
+
+namespace aureole {
+
+/// Returns |u/u0|^2 per wavelength of the segment from `origin` along the unit direction `d`; `length` may be infinite.
+/// `is_open`: whether the segment is free. An edge counts if it can be seen from both ends just off its open side.
+Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
+                             bool is_open, const Wavelengths& w);
+
+/// Multiplies the passage of a connection by its diffraction factor, `is_open` being the result of its visibility test,
+/// and returns whether light arrives. `passage_if_blocked`: its passage without what blocks it. Light that arrives on a
+/// blocked connection is found by no other technique, so that the MIS weight becomes that of the connection alone.
+bool diffract_connection(const Scene& scene, TestSegment& connection, bool is_open,
+                         const Spectrum& passage_if_blocked, const Wavelengths& w);
+
+}  // namespace aureole

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sums of boundary waves against Fresnel's integrals, against quadrature, and against Kirchhoff's integral over openings.
+#include "aureole/optics/diffraction/boundary_wave.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "aureole/optics/faddeeva.h"
+
+namespace aureole::optics {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kNoWindow = 1e6;
+
+/// The field behind a polygonal opening about the axis, in the Fresnel plane, run counter-clockwise.
+Complex field_of(const std::vector<PlanePoint>& ring, bool axis_is_open, double window = kNoWindow) {
+  Complex field = axis_is_open;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const PlanePoint a = ring[i], b = ring[(i + 1) % ring.size()];
+    field -= (a.x * b.y - a.y * b.x >= 0 ? 1.0 : -1.0) * BoundaryPiece(a, b).wave(1, window);
+  }
+  return field;
+}
+
+/// The field behind a slit from a to b.
+Complex slit(double a, double b) { return Complex(0.5, -0.5) * (fresnel_integral(b) - fresnel_integral(a)); }
+
+TEST(BoundaryWave, RectanglesAreProductsOfFresnelIntegrals) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(0, 1);
+  double worst = 0;
+  for (int n = 0; n < 5000; ++n) {
+    const double x0 = 4 - 12 * u(random), x1 = x0 + 10 * u(random);
+    const double y0 = 4 - 12 * u(random), y1 = y0 + 10 * u(random);
+    const bool is_open = x0 < 0 && x1 > 0 && y0 < 0 && y1 > 0;
+    const Complex field = field_of({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, is_open);
+    worst = std::max(worst, std::abs(field - slit(x0, x1) * slit(y0, y1)));
+  }
+  std::printf("rectangles: error of the field %.1e\n", worst);
+  EXPECT_LT(worst, 1e-5);
+}
+
+TEST(BoundaryWave, CornersOfTheTableAreThoseOfQuadrature) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> u(0, 1);
+  double of_table = 0, of_quadrature = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const double r = 80 * std::pow(u(random), 3), psi = M_PI / 2 * u(random) * u(random);
+    const Complex corner = corner_wave_by_quadrature(r, psi);
+    of_table = std::max(of_table, std::abs(corner_wave(r, psi) - corner));
+    // The wave between the foot and the end by the midpoint rule, where it oscillates little.
+    if (r > 6) continue;
+    const double v = r * std::cos(psi);
+    Complex sum = 0;
+    constexpr int kSteps = 4000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double c = std::cos(psi * (i + 0.5) / kSteps);
+      sum += std::polar(psi / kSteps / (2 * M_PI), M_PI / 2 * v * v / (c * c));
+    }
+    of_quadrature = std::max(of_quadrature, std::abs(corner - (0.5 * knife_edge_field(-v) - sum)));
+  }
+  std::printf("corners: error of the table %.1e, of the quadrature %.1e\n", of_table, of_quadrature);
+  EXPECT_LT(of_table, 5e-5);
+  EXPECT_LT(of_quadrature, 2e-5);
+  EXPECT_NEAR(std::abs(corner_wave_by_quadrature(7, 0) - 0.5 * knife_edge_field(-7)), 0, 1e-14);
+  EXPECT_NEAR(corner_wave_by_quadrature(0, 0.3).real(), (M_PI / 2 - 0.3) / (2 * M_PI), 1e-15);
+}
+
+TEST(BoundaryWave, DiscsHaveTheirSpot) {
+  // A disc whose rim is at v everywhere: on the axis the field is exp(i pi v^2/2), of modulus 1 behind the disc.
+  for (const double v : {0.5, 2.0, 5.39, 12.0}) {
+    std::vector<PlanePoint> rim;
+    constexpr int kSides = 2000;
+    for (int i = 0; i < kSides; ++i)
+      rim.push_back({v * std::cos(2 * M_PI * i / kSides), v * std::sin(2 * M_PI * i / kSides)});
+    const Complex opening = field_of(rim, true);
+    EXPECT_NEAR(std::abs(opening - (1.0 - std::polar(1.0, M_PI / 2 * v * v))), 0, 1e-5 * (1 + 4 * v * v))
+        << v;  // the rim is a polygon
+    EXPECT_NEAR(std::abs(1.0 - opening), 1, 1e-5 * (1 + 4 * v * v)) << v;
+  }
+}
+
+TEST(BoundaryWave, CutsOfALineChangeNothing) {
+  const PlanePoint a{-3, 0.7}, b{40, 2.1};
+  for (const double window : {4.0, 15.0, kNoWindow}) {
+    const Complex whole = BoundaryPiece(a, b).wave(1, window);
+    Complex sum = 0;
+    constexpr int kPieces = 37;
+    const auto at = [&](int i) {
+      const double t = double(i) / kPieces;
+      return PlanePoint{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+    };
+    for (int i = 0; i < kPieces; ++i) sum += BoundaryPiece(at(i), at(i + 1)).wave(1, window);
+    EXPECT_NEAR(std::abs(sum - whole), 0, 1e-12) << window;
+  }
+}
+
+TEST(BoundaryWave, TheWindowIsSmooth) {
+  EXPECT_EQ(window_weight(-15, 15), 1);
+  EXPECT_NEAR(window_weight(20, 15), 0, 1e-12);
+  EXPECT_NEAR(window_weight(17.5, 15), 0.5, 1e-12);
+  // A line that moves through the window's border: no step is larger than the wave there.
+  double largest = 0;
+  Complex last = BoundaryPiece({-9, 14}, {300, 14}).wave(1, 15);
+  for (double y = 14; y < 21; y += 0.001) {
+    const Complex next = BoundaryPiece({-9, y}, {300, y}).wave(1, 15);
+    largest = std::max(largest, std::abs(next - last));
+    last = next;
+  }
+  EXPECT_LT(largest, 2e-3);
+  EXPECT_EQ(last, Complex(0));
+}
+
+}  // namespace
+}  // namespace aureole::optics

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// The diffraction model "segments" in pictures: knife edges, slits, squares, strips and discs against Fresnel's integrals,
+// cell by cell, which share no code with the renderer.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <vector>
+
+#include "aureole/optics/faddeeva.h"
+#include "harness/rendered.h"
+#include "loading/load_text.h"
+
+namespace aureole::testing {
+namespace {
+
+using test::kSanitized;
+using Complex = std::complex<double>;
+
+constexpr double kWavelength = 550e-9;
+
+/// Black sheets at z = 0 between a lamp at z = distance and a white screen at z = -distance, of which the film shows
+/// [-half, half]^2 in columns x rows cells.
+struct Bench {
+  double distance, half;
+  int columns, rows = 2;
+  std::string sheets;
+  int samples = 16;  ///< of each of 16 replicates
+
+  Picture picture(const std::string& integrator = "path") const {
+    return render(fmt::format(
+                      R"(<integrator type="{0}"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale value="{2}"/>
+    <lookat origin="0, 0, -{3}" target="0, 0, -{1}" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="{4}"/><integer name="height" value="{5}"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="{6}"/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="20"/><translate z="-{1}"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <emitter type="point"><point name="position" x="0" y="0" z="{1}"/><spectrum name="intensity" value="1"/></emitter>)",
+                      integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples) +
+                  sheets);
+  }
+  /// Radiance of the screen without sheets.
+  double unobstructed() const { return 1 / (4 * distance * distance * M_PI); }
+  /// v in the plane of the sheets at x there, for the axis through a point of the screen.
+  double v(double x, double screen) const {
+    return (x - screen / 2) * std::sqrt(2 / (kWavelength * distance / 2));
+  }
+};
+
+std::string sheet(double x0, double x1, double y0, double y1) {
+  return fmt::format(
+      R"(<shape type="rectangle"><transform name="to_world"><scale x="{}" y="{}"/><translate x="{}" y="{}"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
+      (x1 - x0) / 2, (y1 - y0) / 2, (x0 + x1) / 2, (y0 + y1) / 2);
+}
+
+Complex slit(double a, double b) {
+  return Complex(0.5, -0.5) * (optics::fresnel_integral(b) - optics::fresnel_integral(a));
+}
+
+/// Compares the rows and columns of a picture with the mean of `intensity(x, y)` over each cell.
+void compare(const char* name, const Bench& bench, const std::function<double(double, double)>& intensity,
+             double most_db) {
+  const Picture p = bench.picture();
+  if (kSanitized) return;
+  double worst = 0, sum = 0, expected_sum = 0, brightest = 0;
+  std::vector<double> expected;
+  const double width = 2 * bench.half / bench.columns;
+  const double top = width * bench.rows / 2;
+  constexpr int kSub = 12;
+  for (int j = 0; j < bench.rows; ++j)
+    for (int i = 0; i < bench.columns; ++i) {
+      double mean = 0;
+      for (int k = 0; k < kSub * kSub; ++k)
+        mean += intensity(-bench.half + width * (i + (k % kSub + 0.5) / kSub),
+                          top - width * (j + (k / kSub + 0.5) / kSub));
+      expected.push_back(mean / (kSub * kSub));
+      brightest = std::max(brightest, expected.back());
+    }
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const double measured = p.mean[i] / bench.unobstructed();
+    sum += measured, expected_sum += expected[i];
+    if (expected[i] > 0.01 * brightest)
+      worst = std::max(worst, std::abs(10 * std::log10(measured / expected[i])));
+  }
+  std::printf("%-24s largest error of a cell %.3f dB, of the sum %+.3f %%\n", name, worst,
+              100 * (sum / expected_sum - 1));
+  EXPECT_LT(worst, most_db) << name;
+  EXPECT_NEAR(sum / expected_sum, 1, 0.005) << name;
+}
+
+TEST(SegmentDiffraction, SlitsAndStripsHaveFresnelsFringes) {
+  for (const double w : {0.1e-3, 0.4e-3, 4e-3}) {
+    const Bench bench{1, 4e-3, 64, 2, sheet(-1, -w / 2, -1, 1) + sheet(w / 2, 1, -1, 1)};
+    compare(
+        fmt::format("slit of {} mm", w * 1e3).c_str(), bench,
+        [&](double x, double) { return std::norm(slit(bench.v(-w / 2, x), bench.v(w / 2, x))); }, 0.1);
+  }
+  for (const double w : {0.2e-3, 1e-3, 4e-3}) {
+    const Bench bench{1, 4e-3, 64, 2, sheet(-w / 2, w / 2, -1, 1)};
+    compare(
+        fmt::format("strip of {} mm", w * 1e3).c_str(), bench,
+        [&](double x, double) { return std::norm(1.0 - slit(bench.v(-w / 2, x), bench.v(w / 2, x))); }, 0.1);
+  }
+  for (const double distance : {1.0, 10.0}) {
+    const Bench bench{distance, 3e-3 * distance, 64, 2,
+                      sheet(-1, -0.4e-3, -1, 1) + sheet(-0.2e-3, 0.2e-3, -1, 1) + sheet(0.4e-3, 1, -1, 1)};
+    compare(
+        fmt::format("two slits at {} m", distance).c_str(), bench,
+        [&](double x, double) {
+          return std::norm(slit(bench.v(-0.4e-3, x), bench.v(-0.2e-3, x)) +
+                           slit(bench.v(0.2e-3, x), bench.v(0.4e-3, x)));
+        },
+        0.2);
+  }
+}
+
+TEST(SegmentDiffraction, SquaresAreProductsOfSlits) {
+  for (const double h : {0.25e-3, 2e-3}) {
+    const auto field = [&](const Bench& b, double x, double y) {
+      return slit(b.v(-h, x), b.v(h, x)) * slit(b.v(-h, y), b.v(h, y));
+    };
+    const Bench opening{1,
+                        3e-3,
+                        24,
+                        24,
+                        sheet(-1, -h, -1, 1) + sheet(h, 1, -1, 1) + sheet(-h, h, -1, -h) + sheet(-h, h, h, 1),
+                        16};
+    compare(
+        fmt::format("opening of {} mm", 2e3 * h).c_str(), opening,
+        [&](double x, double y) { return std::norm(field(opening, x, y)); }, 0.2);
+    const Bench plate{1, 3e-3, 24, 24, sheet(-h, h, -h, h), 64};
+    compare(
+        fmt::format("plate of {} mm", 2e3 * h).c_str(), plate,
+        [&](double x, double y) { return std::norm(1.0 - field(plate, x, y)); }, 0.2);
+  }
+}
+
+TEST(SegmentDiffraction, ADiscHasPoissonsSpot) {
+  // Over the middle 30 um of a shadow of 4 mm, v = 5.39 at the rim: on the axis as bright as without the disc.
+  const Bench bench{1,
+                    15e-6,
+                    2,
+                    2,
+                    R"(<shape type="disk"><transform name="to_world"><scale value="0.001"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
+                    16};
+  const Picture p = bench.picture();
+  if (kSanitized) return;
+  // J0^2 of the phase across the rim, 2 pi a x/(lambda z), for small x.
+  double expected = 0;
+  constexpr int kSub = 40;
+  for (int k = 0; k < kSub * kSub; ++k) {
+    const double x = 15e-6 * (k % kSub + 0.5) / kSub, y = 15e-6 * (k / kSub + 0.5) / kSub;
+    const double phase = 2 * M_PI * 0.001 * std::hypot(x, y) / kWavelength;
+    expected += std::pow(std::cyl_bessel_j(0, phase), 2) / (kSub * kSub);
+  }
+  for (const double value : p.mean) EXPECT_NEAR(value / bench.unobstructed(), expected, 0.01);
+}
+
+TEST(SegmentDiffraction, KnifeEdgeOfP526) {
+  // ITU-R P.526: losses at Fresnel's v in the shadow, and gains on the lit side; cells of 0.02 of v about them.
+  const struct {
+    double v, loss;
+  } kRows[] = {{0, 6.02},  {0.5, 10.23}, {1, 13.86},   {1.5, 16.78}, {2, 19.09}, {3, 22.52},
+               {5, 26.94}, {8, 31.02},   {-0.5, 1.86}, {-1, -1.00},  {-2, 0.74}};
+  for (const auto& [v, loss] : kRows) {
+    const double per_v = 2 / std::sqrt(4 / kWavelength);  // on the screen
+    Bench bench{1, 0.01 * per_v, 1, 1, "", 64};
+    // The sheet moves, the film stays: the point of the screen on the axis is v behind its edge.
+    bench.sheets = sheet(-1, v * per_v / 2, -1, 1);
+    const Picture p = bench.picture();
+    if (kSanitized) continue;
+    EXPECT_NEAR(-10 * std::log10(p.mean[0] / bench.unobstructed()), loss, 0.05) << v;
+  }
+}
+
+TEST(SegmentDiffraction, DirectAndPathAgree) {
+  const Bench bench{1, 3e-3, 32, 2, sheet(-0.5e-3, 0.5e-3, -1, 1)};
+  const Picture a = bench.picture("path"), b = bench.picture("direct");
+  for (std::size_t i = 0; i < a.mean.size(); ++i) EXPECT_NEAR(b.mean[i], a.mean[i], 0.03 * a.mean[i]) << i;
+}
+
+TEST(SegmentDiffraction, CutsOfTheEdgeChangeNothing) {
+  std::string pieces;
+  for (int i = 0; i < 100; ++i) pieces += sheet(-1, 0, -0.01 + 0.0002 * i, -0.01 + 0.0002 * (i + 1));
+  const Bench whole{1, 2e-3, 16, 2, sheet(-1, 0, -0.01, 0.01)}, cut{1, 2e-3, 16, 2, pieces};
+  const Picture a = whole.picture(), b = cut.picture();
+  for (std::size_t i = 0; i < a.mean.size(); ++i) EXPECT_NEAR(b.mean[i], a.mean[i], 1e-3 * a.mean[i]) << i;
+}
+
+TEST(SegmentDiffraction, BadInput) {
+  const auto error_of = [](const std::string& integrator, const std::string& shape = "") -> std::string {
+    try {
+      render(integrator + R"(<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="1"/>
+        <integer name="height" value="1"/></film></sensor><emitter type="constant"/>)" +
+             shape);
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string on = R"(<boolean name="diffraction" value="true"/>
+      <string name="diffraction_model" value="segments"/>)";
+  EXPECT_NE(error_of(R"(<integrator type="ptracer">)" + on + "</integrator>")
+                .find("\"segments\" is not one of beams"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(R"(<integrator type="path">)" + on + R"(<string name="beam_width" value="1mm"/></integrator>)")
+          .find("belongs to the diffraction model \"beams\""),
+      std::string::npos);
+  EXPECT_NE(error_of(R"(<integrator type="path">)" + on + "</integrator>",
+                     R"(<shape type="cube"><medium name="interior" type="homogeneous"/></shape>)")
+                .find("needs a scene without media"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace aureole::testing
