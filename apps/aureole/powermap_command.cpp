@@ -41,6 +41,7 @@ struct Arguments {
   double cell = 0;
   int max_depth = kNotGiven;
   bool diffraction = false;
+  std::string diffraction_model;
   bool quiet = false;
 };
 
@@ -234,12 +235,16 @@ void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
 LoadedScene load_map(const Arguments& a) {
   LoadOptions load;
   load.defines = split_defines(a.defines);
-  load.integrator = a.integrator;
+  const bool has_segments = a.diffraction_model == "segments";  // a model of `path` alone
+  load.integrator = has_segments && a.integrator.empty() ? "path" : a.integrator;
   if (a.max_depth != kNotGiven && a.max_depth < -1)
     throw Error(fmt::format("--max-depth {}: must be at least -1, which is no limit", a.max_depth));
   if (a.max_depth != kNotGiven)
     load.integrator_parameters.push_back({"integer", "max_depth", std::to_string(a.max_depth)});
-  if (a.diffraction) load.integrator_parameters.push_back({"boolean", "diffraction", "true"});
+  if (a.diffraction || !a.diffraction_model.empty())
+    load.integrator_parameters.push_back({"boolean", "diffraction", "true"});
+  if (!a.diffraction_model.empty())
+    load.integrator_parameters.push_back({"string", "diffraction_model", a.diffraction_model});
   if (a.plane.empty()) {
     for (const auto& [option, given] :
          {std::pair("--size", !a.size.empty()), std::pair("--normal", !a.normal.empty()),
@@ -356,6 +361,8 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--integrator", a->integrator, "replace the scene's integrator: ptracer, path, bdpt");
   options.add("--max-depth", a->max_depth, "replace the integrator's max_depth");
   options.add("--diffraction", a->diffraction, "edges of shapes diffract");
+  options.add("--diffraction-model", a->diffraction_model,
+              "how edges diffract: beams, or segments (with the integrator path, which it chooses)");
   options
       .add(
           "--plane", a->plane,

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 
 #include "aureole/scene/edge/outline_edges.h"
 
@@ -28,6 +29,38 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
   return is_visible(scene, test, w) && !is_black(test.passage);
 }
 
+/// An edge beside the segment.
+struct SeenPassage {
+  EdgePassage passage;
+  /// Whether the segment was taken to pass on its open side when its wave was subtracted from the field; empty: it was not.
+  std::optional<bool> subtracted{};
+};
+
+/// The edges beside a segment, of which pairs may act together.
+class Passages {
+public:
+  void add(const SeenPassage& seen) {
+    if (count_ < kMost) seen_[count_++] = seen;
+  }
+  /// Calls use(first, second) for all pairs, in the order along the segment. Pairs among kMost and more edges are left out,
+  /// as in a disc's rim, whose edges do not lie behind one another.
+  template <class Use>
+  void for_pairs(const EdgeSegment& segment, const Use& use) const {
+    if (count_ == kMost) return;
+    const auto depth = [&](const SeenPassage& s) { return dot(s.passage.p, segment.d); };
+    for (std::size_t i = 0; i < count_; ++i)
+      for (std::size_t k = i + 1; k < count_; ++k) {
+        const bool in_order = depth(seen_[i]) <= depth(seen_[k]);
+        use(seen_[in_order ? i : k], seen_[in_order ? k : i]);
+      }
+  }
+
+private:
+  static constexpr std::size_t kMost = 32;
+  std::size_t count_ = 0;
+  std::array<SeenPassage, kMost> seen_;
+};
+
 /// Returns the factor; `begin` and `end` are the ends off their surfaces, `end` a direction where it is at infinity.
 Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begin, const Vec3& end,
                 bool is_open, const Wavelengths& w) {
@@ -46,12 +79,33 @@ Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begi
   field.fill(is_open ? 1.0 : 0.0);
   bool any = false;
   const bool infinite = std::isinf(segment.length);
+  Passages passages;
+  const auto sees = [&](const EdgeSide& side, bool is_begin) {
+    return is_free(scene, side.beside.to_float(), is_begin ? begin : end, !is_begin && infinite, w);
+  };
   edges.visit(segment, longest, [&](const EdgePassage& passage) {
-    const Vec3 beside = passage.beside.to_float();
-    if (!is_free(scene, beside, begin, false, w) || !is_free(scene, beside, end, infinite, w)) return;
+    SeenPassage seen{passage};
+    EdgeSide side;
+    if (edges.find_side(passage, segment, passage.in, passage.out, false, side)) {
+      if (sees(side, true) && sees(side, false)) {
+        any = true;
+        seen.subtracted = side.is_at_border ? is_open : side.is_open;
+        edges.subtract(passage, segment, *seen.subtracted, wavelengths.data(), count, field.data());
+      }
+    }
+    passages.add(seen);
+  });
+  passages.for_pairs(segment, [&](const SeenPassage& first, const SeenPassage& second) {
+    EdgePairField pair;
+    if (!edges.find_pair(first.passage, second.passage, segment, pair)) return;
+    // Where rays do not agree with half planes, the edges do not act together, or others do, too.
+    if (!pair.agrees(first.subtracted.has_value(), second.subtracted.has_value())) return;
+    if (!sees(pair.side1, true) || !sees(pair.side2, false) ||
+        !is_free(scene, pair.side1.beside.to_float(), pair.side2.beside.to_float(), false, w))
+      return;
     any = true;
-    const bool passes_open = passage.is_at_border ? is_open : passage.is_open;
-    edges.subtract(passage, segment, passes_open, wavelengths.data(), count, field.data());
+    edges.add_pair(pair, is_open, first.subtracted, second.subtracted, wavelengths.data(), count,
+                   field.data());
   });
   if (!any) return is_open ? 1.f : 0.f;
   Spectrum result;

@@ -99,6 +99,53 @@ TEST(BoundaryWave, CutsOfALineChangeNothing) {
   }
 }
 
+/// Two half planes: the field of the first in the plane of the second, integrated over what the second leaves open. The
+/// distances are r1, L and r2, the wavelength 1; h1 and h2 the heights of the edges over the way.
+Complex field_of_two(double h1, double h2, double r1, double L, double r2) {
+  const double f = std::sqrt(2 * (1 / (r1 + L) + 1 / r2)), f1 = std::sqrt(2 * (1 / r1 + 1 / L));
+  // t is Fresnel's parameter in the plane of the second edge; a smooth end far out stands for infinity.
+  const double begin = h2 * f, length = 80;
+  constexpr int kSteps = 400000;
+  Complex sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) / kSteps, t = begin + s * length;
+    const double end = std::max(0.0, s - 0.5) / 0.16;
+    const Complex first = knife_edge_field((t / f * r1 / (r1 + L) - h1) * f1);
+    sum += std::polar(length / kSteps * std::exp(-end * end * end * end), M_PI / 2 * t * t) * first;
+  }
+  return Complex(0.5, -0.5) * sum;
+}
+
+TEST(BoundaryWave, TwoEdgesAreTheirDoubleIntegral) {
+  double worst = 0;
+  for (const double L : {0.01, 0.1, 1.0, 10.0})
+    for (const auto& [h1, h2] : {std::pair(0.7, 0.7), {0.3, -0.4}, {-0.5, 0.6}, {0.0, 0.0}, {-1.0, -0.8}}) {
+      const double r1 = 1, r2 = 1.3;
+      const double v1 = -h1 * std::sqrt(2 * (1 / r1 + 1 / (L + r2))),
+                   v2 = -h2 * std::sqrt(2 * (1 / (r1 + L) + 1 / r2));
+      const double rho = std::sqrt(r1 * r2 / ((r1 + L) * (r2 + L)));
+      worst = std::max(worst, std::abs(two_edges_field(v1, v2, rho) - field_of_two(h1, h2, r1, L, r2)));
+    }
+  std::printf("two edges: error of the field %.1e\n", worst);
+  EXPECT_LT(worst, 2e-5);
+  // Both at v = -1, r1 = r2 = 1: the product of two knife edges, and one of them alone, are this much off [dB].
+  const auto db = [](const Complex& u) { return 20 * std::log10(std::abs(u)); };
+  const double one = db(knife_edge_field(-1));
+  const struct {
+    double L, product, single;
+  } kRows[] = {{0.01, -13.0, 0.83}, {0.1, -11.2, 2.71}, {1, -6.1, 7.74}, {10, -1.24, 12.62}};
+  for (const auto& [L, product, single] : kRows) {
+    const double both = db(two_edges_field(-1, -1, 1 / (1 + L)));
+    EXPECT_NEAR(2 * one - both, product, 0.06) << L;
+    EXPECT_NEAR(one - both, single, 0.02) << L;
+  }
+  EXPECT_NEAR(std::abs(two_edges_field(-0.7, 0.4, 0) - knife_edge_field(-0.7) * knife_edge_field(0.4)), 0,
+              1e-5);
+  EXPECT_NEAR(std::abs(two_edges_field(-0.7, 0.4, 1) - knife_edge_field(-0.7)), 0, 1e-5);
+  EXPECT_NEAR(std::abs(two_edges_field(0.7, 0.4, -1) - (knife_edge_field(0.7) + knife_edge_field(0.4) - 1.0)),
+              0, 1e-5);
+}
+
 TEST(BoundaryWave, TheWindowIsSmooth) {
   EXPECT_EQ(window_weight(-15, 15), 1);
   EXPECT_NEAR(window_weight(20, 15), 0, 1e-12);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "aureole/optics/faddeeva.h"
 #include "aureole/optics/gauss_legendre.h"
 #include "aureole/optics/lanes.h"
 
@@ -135,6 +136,21 @@ Complex corner_wave(double r, double psi) {
 }
 
 Complex corner_wave_by_quadrature(double r, double psi) { return wave_factor(r) * smooth_corner(r, psi); }
+
+Complex two_edges_field(double v1, double v2, double rho) {
+  const auto away_from_zero = [](double v) { return std::copysign(std::max(std::abs(v), 1e-6), v); };
+  v1 = away_from_zero(v1), v2 = away_from_zero(v2);
+  rho = std::clamp(rho, -1 + 1e-12, 1 - 1e-12);
+  const double root = std::sqrt((1 - rho) * (1 + rho));
+  // Owen's T(h, a) with h^2 = -i pi v^2.
+  const auto owen = [](double v, double a) {
+    const double r = std::abs(v) * std::hypot(1, a);
+    const Complex wave = 0.5 * knife_edge_field(-std::abs(v)) - corner_wave(r, std::atan(std::abs(a)));
+    return a < 0 ? -wave : wave;
+  };
+  return 0.5 * (knife_edge_field(v1) + knife_edge_field(v2)) - owen(v1, (v2 / v1 - rho) / root) -
+         owen(v2, (v1 / v2 - rho) / root) - (v1 * v2 < 0 ? 0.5 : 0.0);
+}
 
 double window_weight(double v, double window) {
   const double t = std::clamp((std::abs(v) / window - 1) * 3, 0.0, 1.0);

@@ -26,6 +26,13 @@ std::complex<double> corner_wave(double r, double psi);
 /// Returns the integral by quadrature, with an absolute error near 1e-12: what the table is made of.
 std::complex<double> corner_wave_by_quadrature(double r, double psi);
 
+/// Returns the field behind two half planes one behind the other, over the unobstructed one, by Fresnel's parameter of each
+/// alone (negative in its shadow) and their correlation rho = cos(gamma) sqrt(r1 r2/((r1 + L)(r2 + L))): L is the distance
+/// between them, r1 and r2 those of the source from the first and of the observer from the second, gamma the angle between
+/// their normals about the way. It is a bivariate normal integral of complex argument, by Owen's function (Owen 1956, "Tables
+/// for computing bivariate normal probabilities", Ann. Math. Statist. 27(4)), which is a corner wave.
+std::complex<double> two_edges_field(double v1, double v2, double rho);
+
 /// The obliquity factors c of a piece of an outline at its ends and where the detour of the whole line is smallest.
 struct PieceObliquity {
   double begin = 1, end = 1, middle = 1;

@@ -4,8 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <unordered_map>
 
+#include "aureole/core/random.h"
 #include "aureole/optics/diffraction/boundary_wave.h"
+#include "aureole/optics/faddeeva.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
 
 namespace aureole {
@@ -95,6 +99,11 @@ bool lies_on_face(const Double3& from_edge, const Double3& normal, const Double3
   return std::abs(dot(from_edge, normal)) <= rounding && dot(from_edge, into_face) > 0;
 }
 
+/// By how much coordinates may be off at a point of an edge, `p` from the segment's begin.
+double rounding_of(const MeshEdge& edge, const Double3& p) {
+  return 2e-6 * std::max(length(p), double(max_component(abs(edge.a))) + double(max_component(abs(edge.b))));
+}
+
 /// Adds the boundary wave of a part of an edge, as chords of its curve in the Fresnel plane.
 class Chords {
 public:
@@ -148,11 +157,55 @@ private:
   Double3 x_, y_;
 };
 
+/// Moves each vertex to the first one within that distance of it, so that what nearly touches shares vertices.
+class Welder {
+public:
+  explicit Welder(float distance) : distance_(distance) {}
+  Vec3 welded(const Vec3& p) {
+    const auto cell = [&](float x) { return std::int64_t(std::floor(double(x) / double(distance_))); };
+    const std::int64_t x = cell(p.x), y = cell(p.y), z = cell(p.z);
+    for (std::int64_t i = -1; i <= 1; ++i)
+      for (std::int64_t j = -1; j <= 1; ++j)
+        for (std::int64_t k = -1; k <= 1; ++k)
+          if (const auto found = first_.find(key(x + i, y + j, z + k)); found != first_.end())
+            if (length_squared(found->second - p) <= distance_ * distance_) return found->second;
+    return first_.try_emplace(key(x, y, z), p).first->second;
+  }
+
+private:
+  static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
+    return combine_bits(combine_bits(std::uint64_t(x), std::uint64_t(y)), std::uint64_t(z));
+  }
+  float distance_;
+  std::unordered_map<std::uint64_t, Vec3> first_;  ///< of each cell
+};
+
+/// The distance within which vertices are welded: a fortieth of the shortest wavelength, or the rounding of coordinates.
+float welding_distance(std::span<const TriangleSet> sets, double shortest_wavelength) {
+  float largest = 0;
+  for (const TriangleSet& set : sets)
+    for (const Vec3& p : set.positions) largest = std::max(largest, max_component(abs(p)));
+  return std::max(2.5e-7f * largest, float(shortest_wavelength / 40));
+}
+std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> sets, float distance) {
+  Welder welder(distance);
+  std::vector<std::vector<Vec3>> welded;
+  for (const TriangleSet& set : sets) {
+    auto& positions = welded.emplace_back();
+    for (const Vec3& p : set.positions) positions.push_back(welder.welded(p));
+  }
+  return welded;
+}
+
 }  // namespace
 
 OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->length_unit_m) {
   const DiffractingShapes shapes(parts);
-  edges_ = find_mesh_edges(shapes.sets);
+  welded_ = welding_distance(shapes.sets, parts.context->grid.min_nm * nm_);
+  const auto positions = welded_positions(shapes.sets, welded_);
+  std::vector<TriangleSet> sets;
+  for (std::size_t i = 0; i < positions.size(); ++i) sets.push_back({positions[i], shapes.sets[i].triangles});
+  edges_ = find_mesh_edges(sets);
   lift_ = shapes.lift;
   notes_ = shapes.remarks;
   std::vector<Bounds3> boxes;
@@ -208,36 +261,40 @@ bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment
   out.middle = line.middle();
   // A corner is judged a little way from its end, which the next edge shares.
   const double margin = 0.01 * (out.end - out.begin);
-  const double t = std::clamp(out.middle, out.begin + margin, out.end - margin);
-  const Double3 p = line.at(t);
-  Double3 in, on;
-  line.directions(p, in, on);
-  const Double3 through = in + on;
-  if (!edge.is_outline(through.to_float())) return false;
+  out.p = line.at(std::clamp(out.middle, out.begin + margin, out.end - margin));
+  line.directions(out.p, out.in, out.out);
+  // The border of a sheet does not act on light of a point of that sheet.
+  if (!edge.is_boundary) return true;
+  const Double3 normal(edge.n0), into_face = face_direction(normal, line.e);
+  const double rounding = rounding_of(edge, out.p);
+  if (lies_on_face(-out.p, normal, into_face, rounding)) return false;
+  return line.is_infinite() || !lies_on_face(segment.d * segment.length - out.p, normal, into_face, rounding);
+}
 
-  const Double3 n0(edge.n0), n1(edge.n1);
-  const Double3 face0 = face_direction(n0, line.e), face1 = face_direction(line.e, n1);
-  const double size = std::max(length(p), max_component(abs(edge.a)) + double(max_component(abs(edge.b))));
-  const double rounding = 2e-6 * size;
-  const Double3 begin = -p;  // the segment's ends, from the edge
-  const auto shadows = [&](const Double3& normal, const Double3& face) {
-    if (lies_on_face(begin, normal, face, rounding)) return false;
-    return line.is_infinite() || !lies_on_face(begin + segment.d * segment.length, normal, face, rounding);
-  };
-  if (!shadows(n0, face0) || (!edge.is_boundary && !shadows(n1, face1))) return false;
-
+bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
+                             const Double3& out, bool grazes, EdgeSide& side) const {
+  const MeshEdge& edge = *passage.edge;
+  const Double3 through = in + out;
+  const bool is_outline = edge.is_outline(through.to_float());
+  if (!is_outline && !grazes) return false;
+  const Double3 e = normalize(Double3(edge.b) - Double3(edge.a));
   // The plane of the edge and of the light's mean direction parts the open side from that of the faces.
-  Double3 normal = cross(line.e, through);
-  const double normal_length = length(normal);
-  if (!(normal_length > 1e-9)) return false;
-  normal = normal * (1 / normal_length);
-  const double side0 = dot(face0, normal), side1 = edge.is_boundary ? 0 : dot(face1, normal);
-  const double of_faces = std::abs(side0) >= std::abs(side1) ? side0 : side1;
-  if (of_faces > 0) normal = -normal;  // towards the open side
-  const double height = dot(begin, normal);
-  out.is_open = height > 0;
-  out.is_at_border = std::abs(height) <= rounding;
-  out.beside = segment.from + p + normal * (2 * rounding + 1.01 * double(lift_[edge.face0.set]));
+  Double3 normal = cross(e, through);
+  const double size = length(normal);
+  if (!(size > 1e-9)) return false;
+  normal = normal * (1 / size);
+  const double side0 = dot(face_direction(Double3(edge.n0), e), normal);
+  const double side1 = edge.is_boundary ? 0 : dot(face_direction(e, Double3(edge.n1)), normal);
+  const double falling = std::max(std::abs(side0), std::abs(side1));
+  if (!is_outline && !(falling > 0.5 && std::min(std::abs(side0), std::abs(side1)) < 0.2)) return false;
+  if ((std::abs(side0) >= std::abs(side1) ? side0 : side1) > 0) normal = -normal;
+  const double rounding = rounding_of(edge, passage.p);
+  side.normal = normal;
+  side.offset = 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
+  side.beside = segment.from + passage.p + normal * side.offset;
+  const double height = dot(segment.d * dot(passage.p, segment.d) - passage.p, normal);
+  side.is_open = height > 0;
+  side.is_at_border = std::abs(height) <= rounding;
   return true;
 }
 
@@ -246,6 +303,72 @@ void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segme
   const Line line(*passage.edge, segment);
   Chords(line, passage.middle, wavelengths, count, window_, is_open ? 1 : -1, field)
       .add(passage.begin, passage.end);
+}
+
+bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
+                             EdgePairField& out) const {
+  constexpr double kSameSide = 0.1;
+  const auto passes_middle = [](const EdgePassage& p) { return p.middle > p.begin && p.middle < p.end; };
+  if (!passes_middle(first) || !passes_middle(second)) return false;
+  const MeshEdge &edge1 = *first.edge, &edge2 = *second.edge;
+  const double rounding = rounding_of(edge1, first.p);
+  // Edges with one common end make a corner, which is in the waves of their ends; with two they are one edge.
+  const auto meet = [&](const Vec3& a, const Vec3& b) { return double(length(a - b)) <= rounding; };
+  const int common =
+      meet(edge1.a, edge2.a) + meet(edge1.a, edge2.b) + meet(edge1.b, edge2.a) + meet(edge1.b, edge2.b);
+  if (common == 1) return false;
+  const Double3 between = second.p - first.p;
+  const double distance = length(between);
+  if (edge1.is_boundary && edge2.is_boundary && length_squared(cross(edge1.n0, edge2.n0)) < 1e-8f &&
+      std::abs(dot(between, Double3(edge1.n0))) <= rounding)
+    return false;
+  const Double3 along = distance > 0 ? between * (1 / distance) : segment.d;
+  if (!find_side(first, segment, first.in, along, true, out.side1) ||
+      !find_side(second, segment, along, second.out, true, out.side2))
+    return false;
+  const auto across = [&](const Double3& v) { return normalize(v - segment.d * dot(v, segment.d)); };
+  const double cosine = dot(across(out.side1.normal), across(out.side2.normal));
+  if (!(cosine > kSameSide)) return false;
+
+  const Line line1(edge1, segment), line2(edge2, segment);
+  const auto parameter = [](const Line& line, const EdgePassage& p, const EdgeSide& side) {
+    return (side.is_open ? 2 : -2) * std::sqrt(std::max(0.0, line.detour(p.middle)));
+  };
+  out.v1 = parameter(line1, first, out.side1), out.v2 = parameter(line2, second, out.side2);
+  const double z1 = dot(first.p, segment.d), z2 = dot(second.p, segment.d);
+  const double behind1 = segment.length - z1;
+  out.cosine = cosine;
+  out.r1 = z1, out.between = z2 - z1, out.r2 = segment.length - z2;
+  if (!(out.r1 > 0) || !(out.r2 > 0) || out.between < 0) return false;
+  out.obliquity1 = line1.obliquity(first.middle), out.obliquity2 = line2.obliquity(second.middle);
+  out.obliquity = std::sqrt(std::max(0.0, (1 + dot(first.in, second.out)) / 2));
+  // From the first edge straight on to the end, at the depth of the second; and from the begin to the second.
+  const Double3 from1 = line1.is_infinite()
+                            ? first.p + segment.d * (z2 - z1)
+                            : first.p + (segment.d * segment.length - first.p) * ((z2 - z1) / behind1);
+  out.height1 = dot(from1 - second.p, out.side2.normal);
+  out.height2 = dot(second.p * (z1 / z2) - first.p, out.side1.normal);
+  return true;
+}
+
+void OutlineEdges::add_pair(const EdgePairField& pair, bool is_open, std::optional<bool> subtracted1,
+                            std::optional<bool> subtracted2, const double* wavelengths, int count,
+                            std::complex<double>* field) const {
+  for (int i = 0; i < count; ++i) {
+    const double scale = 1 / std::sqrt(wavelengths[i]);
+    const double v1 = pair.v1 * scale, v2 = pair.v2 * scale;
+    const double weight = optics::window_weight(std::max(std::abs(v1), std::abs(v2)), window_);
+    if (weight == 0) continue;
+    std::complex<double> more =
+        pair.obliquity *
+        (optics::two_edges_field(v1, v2, pair.correlation(wavelengths[i])) - (is_open ? 1.0 : 0.0));
+    const auto add_back = [&](std::optional<bool> as_open, double v, double obliquity) {
+      if (as_open) more += (*as_open ? obliquity : -obliquity) * optics::knife_edge_field(-std::abs(v));
+    };
+    add_back(subtracted1, v1, pair.obliquity1);
+    add_back(subtracted2, v2, pair.obliquity2);
+    field[i] += weight * more;
+  }
 }
 
 }  // namespace aureole

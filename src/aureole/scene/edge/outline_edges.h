@@ -4,8 +4,10 @@
 // edge to the far field.
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,14 +26,49 @@ struct EdgeSegment {
   double length;  ///< may be infinite
 };
 
-/// The part of an edge by way of which detours of a segment are short, and how it lies about the segment.
+/// The part of an edge by way of which detours of a segment are short.
 struct EdgePassage {
   const MeshEdge* edge;
   double begin, end;  ///< distances from edge->a
   double middle;      ///< where the detour of the whole line is smallest
+  Double3 p;          ///< the point of that part next to `middle`, from the segment's begin
+  Double3 in, out;    ///< unit directions of light from the segment's begin to `p`, and from there to its end
+};
+
+/// How an edge parts light that comes to it and leaves it into its open side and that of its faces.
+struct EdgeSide {
+  Double3 normal;     ///< unit vector across edge and light, towards the open side
   Double3 beside;     ///< a point just off the edge, on its open side
-  bool is_open;       ///< whether the segment passes on the open side of the edge
+  double offset;      ///< its distance from the edge
+  bool is_open;       ///< whether the segment passes on the open side
   bool is_at_border;  ///< it passes so near to the edge that only a visibility test decides
+};
+
+/// How two edges one behind the other act on a segment together.
+struct EdgePairField {
+  EdgeSide side1, side2;  ///< for light that goes by way of both
+  double v1, v2;          ///< Fresnel's parameters at a unit wavelength, negative in the shadow of each
+  double cosine;          ///< of the angle between them about the segment
+  double r1, between,
+      r2;  ///< distances along the segment: to the first, from there to the second, and on to the end
+  double obliquity1, obliquity2, obliquity;  ///< of each alone, and of both
+  double height1,
+      height2;  ///< of the way by the first above the second, and of that by the second above the first
+
+  /// Their correlation (`two_edges_field`). Nearer to each other than a twentieth of the wavelength they are one edge.
+  double correlation(double wavelength) const {
+    const double apart = std::max(0.0, between - wavelength / 20);
+    const double ratio = r1 / (r1 + apart) * (std::isinf(r2) ? 1 : r2 / (r2 + apart));
+    return cosine * std::sqrt(ratio);
+  }
+  /// Whether visibility tests by way of single edges agree with half planes.
+  bool agrees(bool first_clears, bool second_clears) const {
+    const double rounding = 4 * std::max(side1.offset, side2.offset);
+    const auto agree = [&](double height, bool clears) {
+      return std::abs(height) < rounding || (height > 0) == clears;
+    };
+    return agree(height1, first_clears) && agree(height2, second_clears);
+  }
 };
 
 class OutlineEdges {
@@ -46,8 +83,8 @@ public:
   /// |v| up to which contributions count fully; they fade out up to 4/3 of it. 15 in scenes of many edges.
   double window() const { return window_; }
 
-  /// Calls visit(passage) for the edges that are outlines of their surfaces for light along the segment and by way of which
-  /// a detour lies within the window of the longest wavelength (in units of the scene).
+  /// Calls visit(passage) for the edges by way of which a detour lies within the window of the longest wavelength (in units
+  /// of the scene).
   template <class Visit>
   void visit(const EdgeSegment& segment, double wavelength, const Visit& visit) const {
     const double detour = largest_detour(wavelength);
@@ -57,9 +94,24 @@ public:
     });
   }
 
+  /// Sets the sides of an edge for light that comes to it along `in` and leaves it along `out`; false where it is no outline
+  /// of its surface then. `grazes`: it also counts if light runs along one of its faces and the other one falls off.
+  bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
+                 const Double3& out, bool grazes, EdgeSide& side) const;
+
   /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the scene].
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
+
+  /// Sets how two edges act together, `first` being the one that the segment passes first; false where they do not: on
+  /// different sides of the segment, in one plane, with a common end, or where the segment passes an end of one.
+  bool find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
+                 EdgePairField& out) const;
+  /// Adds to u/u0 the field of a pair less what it has of them: 1 if the segment `is_open`, and the waves of those edges
+  /// that were subtracted, as which side the segment was taken to pass on.
+  void add_pair(const EdgePairField& pair, bool is_open, std::optional<bool> subtracted1,
+                std::optional<bool> subtracted2, const double* wavelengths, int count,
+                std::complex<double>* field) const;
 
   /// Wavelengths of a path in units of the scene.
   double wavelength(float nm) const { return double(nm) * nm_; }
@@ -78,6 +130,7 @@ private:
   Bounds3 box_;
   double nm_;
   double window_ = 60;
+  float welded_ = 0;  ///< vertices nearer to each other than that are one
   std::vector<std::string> notes_;
 };
 
