@@ -243,6 +243,60 @@ TEST(SegmentDiffraction, KnifeEdgeOfP526) {
   }
 }
 
+// A lamp that is 2 wide in v, behind a half plane: the mean of the knife edge over v.
+TEST(SegmentDiffraction, LampsOfSomeWidth) {
+  const double half = std::sqrt(kWavelength);  // of the lamp, at the distance of the screen
+  const auto radiance = [&](const std::string& sheets) {
+    return render(fmt::format(
+        R"(<integrator type="direct"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/><integer name="emitter_samples" value="16"/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale value="1e-6"/>
+    <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="{}"/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-1"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><scale x="{}" y="1e-5"/><translate z="1"/></transform>
+    <emitter type="area"><spectrum name="radiance" value="1"/></emitter></shape>)",
+        kSanitized ? 1 : 128, half) + sheets);
+  };
+  const double free = radiance("").mean[0];
+  const struct {
+    double v, intensity;
+  } kRows[] = {{-2, 0.01558}, {-1, 0.06699}, {0, 0.40192}, {1, 0.89864}, {2, 1.05956}};
+  for (const auto& [v, intensity] : kRows) {
+    const Picture p = radiance(sheet(-1, -v / std::sqrt(4 / kWavelength), -1, 1));
+    if (kSanitized) continue;
+    EXPECT_LT(p.error[0], 0.002 * p.mean[0]);
+    EXPECT_NEAR(p.mean[0] / free / intensity, 1, 0.005) << v;
+  }
+}
+
+// Light of a lamp at infinity: the distance to the screen alone counts.
+TEST(SegmentDiffraction, LampsAtInfinity) {
+  for (const double v : {-3.0, -1.0, 0.5, 1.2172}) {
+    const double edge = -v * std::sqrt(kWavelength / 2);
+    const auto radiance = [&](const std::string& sheets) {
+      return render(R"(<integrator type="path"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale value="1e-6"/>
+    <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="4"/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-1"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><spectrum name="irradiance" value="1"/></emitter>)" +
+                    sheets)
+          .mean[0];
+    };
+    EXPECT_NEAR(radiance(sheet(-1, edge, -1, 1)) / radiance("") / optics::knife_edge_intensity(v), 1, 0.01) << v;
+  }
+}
+
 TEST(SegmentDiffraction, DirectAndPathAgree) {
   const Bench bench{1, 3e-3, 32, 2, sheet(-0.5e-3, 0.5e-3, -1, 1)};
   const Picture a = bench.picture("path"), b = bench.picture("direct");

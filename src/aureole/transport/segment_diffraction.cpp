@@ -78,7 +78,7 @@ Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begi
   std::array<std::complex<double>, kWavelengths> field;
   field.fill(is_open ? 1.0 : 0.0);
   bool any = false;
-  const bool infinite = std::isinf(segment.length);
+  const bool infinite = segment.is_infinite();
   Passages passages;
   const auto sees = [&](const EdgeSide& side, bool is_begin) {
     return is_free(scene, side.beside.to_float(), is_begin ? begin : end, !is_begin && infinite, w);
@@ -118,7 +118,7 @@ Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begi
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w) {
   const EdgeSegment segment{Double3(origin), normalize(Double3(d)), double(length)};
-  const bool infinite = std::isinf(length);
+  const bool infinite = segment.is_infinite();
   return factor(scene, segment, origin + d * (1e-4f * (infinite ? 1 : length)),
                 infinite ? d : origin + d * length, is_open, w);
 }

@@ -163,10 +163,10 @@ BoundaryPiece::BoundaryPiece(PlanePoint begin, PlanePoint end, PieceObliquity c)
     std::swap(begin, end), std::swap(c.begin, c.end);
     across = -across;
   }
-  const double x = end.x - begin.x, y = end.y - begin.y, size = std::hypot(x, y);
+  const double x = end.x - begin.x, y = end.y - begin.y, size = std::sqrt(x * x + y * y);
   foot_ = size > 0 ? across / size : std::hypot(begin.x, begin.y);
   const auto set = [&](int i, PlanePoint p, double obliquity) {
-    radius_[i] = std::hypot(p.x, p.y);
+    radius_[i] = std::sqrt(p.x * p.x + p.y * p.y);
     const double along = size > 0 ? (p.x * x + p.y * y) / size : 0;
     psi_[i] = std::atan2(along, foot_);
     c_[i] = obliquity;
@@ -174,34 +174,36 @@ BoundaryPiece::BoundaryPiece(PlanePoint begin, PlanePoint end, PieceObliquity c)
   set(0, begin, c.begin), set(1, end, c.end);
 }
 
-bool BoundaryPiece::is_short(double wavelength) const {
-  constexpr double kPhase = 1, kRatio = 1.1;
-  const bool has_foot = psi_[0] < 0 && psi_[1] > 0;  // the phase falls and rises again
+int BoundaryPiece::nodes(double wavelength) const {
   const double a = radius_[0] * radius_[0], b = radius_[1] * radius_[1];
-  const double most = std::max(a, b);
-  const double least = has_foot ? foot_ * foot_ : std::min(a, b);
-  return most < kRatio * least && pi / 2 * (most - least) < (has_foot ? kPhase / 5 : kPhase) * wavelength;
+  const bool has_foot = psi_[0] < 0 && psi_[1] > 0;
+  const double most = std::max(a, b), least = has_foot ? foot_ * foot_ : std::min(a, b);
+  // About a foot the phase falls and rises again, so that it needs as many nodes as a line with five times its change.
+  const double phase = pi / 2 * (most - least) / wavelength * (has_foot ? 5 : 1);
+  if (most < 1.1 * least && phase < 1) return 3;
+  if (most < 1.3 * least) return phase < 3 ? 5 : phase < 8 ? 8 : 0;
+  return 0;
 }
 
-/// Gauss's rule of three nodes over the azimuth.
-void BoundaryPiece::add_short(double factor, std::span<const double> wavelengths, double window,
-                              Complex* sum) const {
-  constexpr double kNode = 0.77459666924148337704, kWeights[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+void BoundaryPiece::add_by_rule(int nodes, double factor, std::span<const double> wavelengths, double window,
+                                Complex* sum) const {
+  static const Quadrature kRules[] = {gauss_legendre(3), gauss_legendre(5), gauss_legendre(8)};
+  const Quadrature& rule = kRules[nodes == 3 ? 0 : nodes == 5 ? 1 : 2];
   const double half = 0.5 * (psi_[1] - psi_[0]), middle = 0.5 * (psi_[0] + psi_[1]);
-  const double scale = factor * half / pi * 0.5 * (c_[0] + c_[1]);
-  double squares[3];
-  for (int k = 0; k < 3; ++k) {
-    const double cosine = std::cos(middle + (k - 1) * kNode * half);
+  const double scale = factor * half / (2 * pi) * 0.5 * (c_[0] + c_[1]);
+  std::array<double, 8> squares;
+  for (std::size_t k = 0; k < rule.x.size(); ++k) {
+    const double cosine = std::cos(middle + rule.x[k] * half);
     squares[k] = foot_ * foot_ / (cosine * cosine);
   }
-  const double radius = std::sqrt(squares[1]);
+  const double radius = 0.5 * (radius_[0] + radius_[1]);
   for (std::size_t from = 0; from < wavelengths.size(); from += kLanes) {
     const WavelengthLanes lanes(wavelengths.subspan(from));
     Lanes real{}, imaginary{};
-    for (int k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < rule.x.size(); ++k) {
       Lanes sine, cosine;
       sine_cosine(lanes.inverse * (pi / 2 * squares[k]), sine, cosine);
-      real += kWeights[k] * cosine, imaginary += kWeights[k] * sine;
+      real += rule.weight[k] * cosine, imaginary += rule.weight[k] * sine;
     }
     for (int i = 0; i < lanes.count; ++i) {
       const double weight = scale * window_weight(radius * std::sqrt(lanes.inverse[i]), window);
@@ -212,8 +214,8 @@ void BoundaryPiece::add_short(double factor, std::span<const double> wavelengths
 
 void BoundaryPiece::add(double factor, std::span<const double> wavelengths, double window,
                         Complex* sum) const {
-  if (is_short(*std::min_element(wavelengths.begin(), wavelengths.end())))
-    return add_short(factor, wavelengths, window, sum);
+  if (const int n = nodes(*std::min_element(wavelengths.begin(), wavelengths.end())); n > 0)
+    return add_by_rule(n, factor, wavelengths, window, sum);
   // The wave of an endless line is that of its two halves.
   if (psi_[0] < 0 && psi_[1] >= 0) add_half_line(2 * factor * c_middle_, foot_, 0, wavelengths, window, sum);
   for (int i = 0; i < 2; ++i) {

@@ -57,10 +57,10 @@ public:
   }
 
 private:
-  /// Whether the phase changes little along the piece.
-  bool is_short(double wavelength) const;
-  void add_short(double factor, std::span<const double> wavelengths, double window,
-                 std::complex<double>* sum) const;
+  /// Number of nodes of Gauss's rule that the piece needs; 0 where its phase changes too much for one.
+  int nodes(double wavelength) const;
+  void add_by_rule(int nodes, double factor, std::span<const double> wavelengths, double window,
+                   std::complex<double>* sum) const;
 
   double foot_;       ///< distance of the line from the origin
   double radius_[2];  ///< distances of the ends, in the order of increasing azimuth

@@ -26,7 +26,7 @@ struct Line {
     e = along * (1 / length);
     to_a = a - s.from;
   }
-  bool is_infinite() const { return std::isinf(segment.length); }
+  bool is_infinite() const { return segment.is_infinite(); }
   Double3 at(double t) const { return to_a + e * t; }  ///< from the segment's begin
 
   /// The factor f of the Fresnel plane: a point at `p` from the segment's begin and `across` it is shown at f times
@@ -119,7 +119,12 @@ public:
     make_basis(line.segment.d, x_, y_);
     shortest_ = *std::min_element(wavelengths, wavelengths + count);
   }
-  void add(double begin, double end) { add(begin, shown(begin), end, shown(end), 0); }
+  void add(double begin, double end) {
+    // 1 - c = theta^2/8, which is largest at an end.
+    constexpr double kLittle = 1e-6;
+    turns_little_ = std::min(line_.obliquity(begin), line_.obliquity(end)) > 1 - kLittle;
+    add(begin, shown(begin), end, shown(end), 0);
+  }
 
 private:
   PlanePoint shown(double t) const {
@@ -127,24 +132,26 @@ private:
     const double f = line_.scale(p);
     return {f * dot(p, x_), f * dot(p, y_)};
   }
+  optics::PieceObliquity obliquities(double begin, double end) const {
+    if (turns_little_) return {};
+    return {line_.obliquity(begin), line_.obliquity(end), line_.obliquity(std::clamp(middle_, begin, end))};
+  }
   void add(double begin, PlanePoint a, double end, PlanePoint b, int depth) {
     constexpr int kMostDepth = 6;
     constexpr double kPhase = 0.02;
     if (depth < kMostDepth) {
       const double half = 0.5 * (begin + end);
       const PlanePoint m = shown(half);
-      const double x = b.x - a.x, y = b.y - a.y, size = std::hypot(x, y);
+      const double x = b.x - a.x, y = b.y - a.y, size = std::sqrt(x * x + y * y);
       const double off = size > 0 ? std::abs((m.x - a.x) * y - (m.y - a.y) * x) / size : 0;
       // A detour d has the phase 2 pi d/lambda = pi P^2/(2 lambda).
-      if (std::numbers::pi * off * std::hypot(m.x, m.y) > kPhase * shortest_) {
+      if (std::numbers::pi * off * std::sqrt(m.x * m.x + m.y * m.y) > kPhase * shortest_) {
         add(begin, a, half, m, depth + 1);
         add(half, m, end, b, depth + 1);
         return;
       }
     }
-    const optics::BoundaryPiece piece(
-        a, b,
-        {line_.obliquity(begin), line_.obliquity(end), line_.obliquity(std::clamp(middle_, begin, end))});
+    const optics::BoundaryPiece piece(a, b, obliquities(begin, end));
     piece.add(-sign_, {wavelengths_, std::size_t(count_)}, window_, field_);
   }
 
@@ -153,6 +160,7 @@ private:
   const double* wavelengths_;
   int count_;
   double window_, sign_, shortest_;
+  bool turns_little_ = false;
   std::complex<double>* field_;
   Double3 x_, y_;
 };
@@ -241,7 +249,7 @@ bool has_same_outlines(const SceneParts& a, const SceneParts& b) {
 Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
   double length = s.length;
   double radius2 = detour * detour;
-  if (std::isinf(length)) {
+  if (s.is_infinite()) {
     // To the far side of all edges, where the paraboloid is widest.
     length =
         aureole::length(Double3(box_.center()) - s.from) + 0.5 * double(aureole::length(box_.diagonal()));

@@ -4,6 +4,7 @@
 // edge to the far field.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <memory>
@@ -23,7 +24,9 @@ namespace aureole {
 struct EdgeSegment {
   Double3 from;
   Double3 d;      ///< unit length
-  double length;  ///< may be infinite
+  double length;  ///< kInfinity where one end is at infinity
+
+  bool is_infinite() const { return length >= double(kInfinity); }
 };
 
 /// The part of an edge by way of which detours of a segment are short.
@@ -58,7 +61,7 @@ struct EdgePairField {
   /// Their correlation (`two_edges_field`). Nearer to each other than a twentieth of the wavelength they are one edge.
   double correlation(double wavelength) const {
     const double apart = std::max(0.0, between - wavelength / 20);
-    const double ratio = r1 / (r1 + apart) * (std::isinf(r2) ? 1 : r2 / (r2 + apart));
+    const double ratio = r1 / (r1 + apart) * r2 / (r2 + apart);
     return cosine * std::sqrt(ratio);
   }
   /// Whether visibility tests by way of single edges agree with half planes.
