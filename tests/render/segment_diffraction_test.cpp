@@ -28,6 +28,7 @@ struct Bench {
   int columns, rows = 2;
   std::string sheets;
   int samples = 16;  ///< of each of 16 replicates
+  bool has_spot = false;  ///< the lamp shines into a cone of 0.3 degrees
 
   Picture picture(const std::string& integrator = "path") const {
     return render(fmt::format(
@@ -41,9 +42,14 @@ struct Bench {
     <sampler type="sobol"><integer name="sample_count" value="{6}"/></sampler></sensor>
   <shape type="rectangle"><transform name="to_world"><scale value="20"/><translate z="-{1}"/></transform>
     <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
-  <emitter type="point"><point name="position" x="0" y="0" z="{1}"/><spectrum name="intensity" value="1"/></emitter>)",
-                      integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples) +
-                  sheets);
+  <emitter type="{7}"><spectrum name="intensity" value="1"/>)",
+                      integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples,
+                      has_spot ? "spot" : "point") +
+                  (has_spot ? fmt::format(R"(<float name="cutoff_angle" value="0.3"/><float name="beam_width" value="0.29"/>
+    <transform name="to_world"><lookat origin="0, 0, {}" target="0, 0, 0" up="0, 1, 0"/></transform>)",
+                                          distance)
+                            : fmt::format(R"(<point name="position" x="0" y="0" z="{}"/>)", distance)) +
+                  "</emitter>" + sheets);
   }
   /// Radiance of the screen without sheets.
   double unobstructed() const { return 1 / (4 * distance * distance * M_PI); }
@@ -226,6 +232,84 @@ TEST(SegmentDiffraction, TwoEdgesOneBehindTheOther) {
     }
 }
 
+/// The radiance of a screen at z = -1, over that without sheets, under light along -z; cells of 0.25 mm from x = -1.5 mm.
+std::vector<double> under_plane_wave(const std::string& sheets) {
+  const auto picture = [](const std::string& shapes) {
+    return render(R"(<integrator type="path"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale value="1.5e-3"/>
+    <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="12"/><integer name="height" value="1"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="16"/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-1"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><spectrum name="irradiance" value="1"/></emitter>)" +
+                  shapes)
+        .mean;
+  };
+  std::vector<double> over = picture(sheets);
+  const std::vector<double> free = picture("");
+  for (std::size_t i = 0; i < over.size(); ++i) over[i] /= free[i];
+  return over;
+}
+
+// More than two edges one behind the other: a product of pairs, exact for nearly coincident edges and for distant ones. The
+// numbers are those of tests/render/references/rows_of_edges.py.
+TEST(SegmentDiffraction, RowsOfEdges) {
+  const struct {
+    int count;
+    double spacing, most_db;
+    double intensity[12];
+  } kRows[] = {
+      {2, 0.1, 0.05, {0.0031774, 0.0051459, 0.0091979, 0.018722, 0.044583, 0.12325, 0.3605, 0.90457, 1.3939, 0.94746, 1.0389, 0.95535}},
+      {3, 0.001, 0.2, {0.0063494, 0.0096366, 0.015896, 0.029484, 0.063128, 0.1553, 0.40337, 0.91235, 1.3337, 0.9636, 1.0121, 0.97325}},
+      {3, 0.1, 1.5, {0.0017146, 0.0028778, 0.0054401, 0.011948, 0.031439, 0.097942, 0.3246, 0.9034, 1.4496, 0.92715, 1.0595, 0.95043}},
+      {4, 0.1, 3.6, {0.0010074, 0.0017122, 0.0033352, 0.0077469, 0.022304, 0.078448, 0.29639, 0.91159, 1.4911, 0.90803, 1.0599, 0.95251}}};
+  for (const auto& [count, spacing, most_db, intensity] : kRows) {
+    std::string sheets;
+    for (int i = 0; i < count; ++i)
+      sheets += fmt::format(
+          R"(<shape type="rectangle"><transform name="to_world"><scale x="0.5"/><translate x="-0.5" z="{}"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
+          -spacing * i);
+    const std::vector<double> measured = under_plane_wave(sheets);
+    if (kSanitized) continue;
+    double worst = 0;
+    for (std::size_t i = 0; i < 12; ++i)
+      worst = std::max(worst, std::abs(10 * std::log10(measured[i] / intensity[i])));
+    std::printf("%d edges %g m apart: largest error %.2f dB\n", count, spacing, worst);
+    EXPECT_LT(worst, most_db) << count << " " << spacing;
+  }
+}
+
+// Light passes a bar on both sides, of which each has two edges one behind the other; far from it nothing is lost.
+TEST(SegmentDiffraction, BarsHaveTwoEdgesOnEachSide) {
+  for (const double s : {1e-3, 0.05}) {
+    const double half = 1e-3;
+    const Bench bench{1.5, 6e-3, 24, 2,
+                      fmt::format(
+                          R"(<shape type="cube"><transform name="to_world"><scale x="{}" z="{}"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
+                          half, s)};
+    const Picture p = bench.picture();
+    if (kSanitized) continue;
+    double worst = 0;
+    for (int i = 0; i < bench.columns; ++i) {
+      double mean = 0;
+      constexpr int kSub = 4;
+      for (int k = 0; k < kSub; ++k) {
+        const double x = bench.half * (2 * (i + (k + 0.5) / kSub) / bench.columns - 1);
+        mean += std::norm(two_half_planes(half, half, s, x) + two_half_planes(half, half, s, -x)) / kSub;
+      }
+      worst = std::max(worst, std::abs(10 * std::log10(p.mean[std::size_t(i)] / bench.unobstructed() / mean)));
+    }
+    std::printf("bar of 2 mm, %g mm thick: largest error %.3f dB\n", 2e3 * s, worst);
+    EXPECT_LT(worst, 0.2) << s;
+  }
+}
+
 TEST(SegmentDiffraction, KnifeEdgeOfP526) {
   // ITU-R P.526: losses at Fresnel's v in the shadow, and gains on the lit side; cells of 0.02 of v about them.
   const struct {
@@ -303,6 +387,20 @@ TEST(SegmentDiffraction, DirectAndPathAgree) {
   for (std::size_t i = 0; i < a.mean.size(); ++i) EXPECT_NEAR(b.mean[i], a.mean[i], 0.03 * a.mean[i]) << i;
 }
 
+// `ptracer` finds light in shadows by rays of the lamp that go on behind the sheet.
+TEST(SegmentDiffraction, LightPathsAgreeWithPathsOfTheSensor) {
+  Bench bench{1, 3e-3, 12, 2, sheet(-1, 0, -1, 1), 64};
+  bench.has_spot = true;  // few of the rays of a point reach the millimetres that the film shows
+  const Picture a = bench.picture("path");
+  bench.samples = 4096;
+  const Picture b = bench.picture("ptracer");
+  if (kSanitized) return;
+  for (std::size_t i = 0; i < a.mean.size(); ++i) {
+    EXPECT_LT(b.error[i], 0.08 * b.mean[i]) << i;
+    EXPECT_NEAR(b.mean[i], a.mean[i], 4.5 * b.error[i] + 0.002 * a.mean[i]) << i;
+  }
+}
+
 TEST(SegmentDiffraction, CutsOfTheEdgeChangeNothing) {
   std::string pieces;
   for (int i = 0; i < 100; ++i) pieces += sheet(-1, 0, -0.01 + 0.0002 * i, -0.01 + 0.0002 * (i + 1));
@@ -349,7 +447,7 @@ TEST(SegmentDiffraction, BadInput) {
   };
   const std::string on = R"(<boolean name="diffraction" value="true"/>
       <string name="diffraction_model" value="segments"/>)";
-  EXPECT_NE(error_of(R"(<integrator type="ptracer">)" + on + "</integrator>")
+  EXPECT_NE(error_of(R"(<integrator type="bdpt">)" + on + "</integrator>")
                 .find("\"segments\" is not one of beams"),
             std::string::npos);
   EXPECT_NE(

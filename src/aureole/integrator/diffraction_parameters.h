@@ -22,6 +22,8 @@ inline std::optional<DiffractionSettings> get_diffraction(const Properties& p, D
   DiffractionSettings settings;
   if (p.get_choice("diffraction_model", "beams", names) == "segments")
     settings.model = DiffractionSettings::Model::segments;
+  if (!is_on && p.has("diffraction_model"))
+    p.note("diffraction_model", "has no effect: \"diffraction\" is false");
   const std::string text = p.get_string("beam_width", "25 wavelengths");
   if (settings.model == DiffractionSettings::Model::segments && p.has("beam_width"))
     throw p.error("beam_width", "belongs to the diffraction model \"beams\"; \"segments\" has no beams");
@@ -57,7 +59,7 @@ inline std::vector<ParameterDoc> with_diffraction_parameters(std::vector<Paramet
        "edges of meshes, discs, cylinders and spheres diffract light (docs/diffraction.md); without it they cost nothing"});
   own.push_back(
       {"diffraction_model", "string", "", "beams",
-       "beams: an edge is a scatterer of light in beams of the width `beam_width`; segments (`path` and `direct`): "
+       "beams: an edge is a scatterer of light in beams of the width `beam_width`; segments (not in `bdpt`): "
        "each straight segment has the exact Fresnel factor of the edges beside it, with fringes"});
   own.push_back(
       {"beam_width", "string", "number of wavelengths, length, or \"fresnel\" and a length", "25 wavelengths",

@@ -34,7 +34,7 @@ private:
 class ParticleTracer final : public Integrator {
 public:
   explicit ParticleTracer(const Properties& p)
-      : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::beams)) {
+      : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::all)) {
     if (p.has("samples_per_pass"))
       p.note("samples_per_pass", "work is divided by itself: \"samples_per_pass\" has no effect");
     p.get_int("samples_per_pass", -1);

@@ -52,12 +52,34 @@ public:
   void attenuate(W& walk, int i, float length) const {
     if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
-    if (scene_.outline_edges())
-      return s.density.attenuate(
-          segment_diffraction(scene_, s.segment.origin, s.segment.ray.d, length, true, walk.wavelengths(i)));
+    if (scene_.outline_edges()) {
+      s.density.attenuate(segment_diffraction(scene_, s.segment.origin, s.segment.ray.d, length,
+                                              !s.diffraction.is_behind, walk.wavelengths(i)));
+      s.diffraction.is_behind = false;
+      return;
+    }
     const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.diffraction.end()};
     s.density.attenuate(left_by_edges(scene_, segment, walk.wavelengths(i),
                                       key(walk.samples(i), s.vertex, Stream::distance)));
+  }
+
+  /// Whether the ray of a light path goes on behind the obstacle that it has hit, into its shadow: by chance, where edges
+  /// are near the ray. No other technique finds light so, so that the choice is no part of a MIS weight.
+  template <class W>
+  bool goes_behind(W& walk, int i) const {
+    if constexpr (!W::kDiffracts || W::kFromSensor) {
+      return false;
+    } else {
+      constexpr float kBehind = 0.5f;
+      auto& s = walk.state(i);
+      if (!scene_.outline_edges() ||
+          !passes_edges(scene_, s.segment.origin, s.segment.ray.d, walk.wavelengths(i)))
+        return false;
+      const bool goes_on = KeyedRandom(walk_key(walk, i)).next() < kBehind;
+      s.density.survive(goes_on ? kBehind : 1 - kBehind);
+      if (goes_on) s.diffraction.is_behind = true;
+      return goes_on;
+    }
   }
 
   /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge

@@ -30,6 +30,8 @@ struct AfterEdge {
   bool found_from_sensor =
       false;             ///< the path's last edge is found from the sensor: its vertices are not connected
   bool is_next = false;  ///< the vertex before the present one is an edge
+  /// For light paths with the diffraction model "segments": the ray went on behind an obstacle.
+  bool is_behind = false;
 
   /// Where the path's flight has begun.
   LightWay::End end() const { return is_set ? LightWay::End::edge : LightWay::End::vertex; }

@@ -13,6 +13,9 @@ namespace aureole {
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w);
 
+/// Whether edges are so near to a ray that light may turn around them into the shadow of what the ray hits.
+bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, const Wavelengths& w);
+
 /// Multiplies the passage of a connection by its diffraction factor, `is_open` being the result of its visibility test,
 /// and returns whether light arrives. `passage_if_blocked`: its passage without what blocks it. Light that arrives on a
 /// blocked connection is found by no other technique, so that the MIS weight becomes that of the connection alone.

@@ -273,6 +273,12 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
     go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
   }
+  if constexpr (kAny)
+    if (!vertex.is_passable() && edges_.goes_behind(self(), i)) {
+      ++s.vertex;  // the ray behind has random numbers of its own
+      go_on(i, vertex, s.segment.ray.d, false);
+      return Event::crossed;
+    }
   // A hidden light lies within the segment, as an inactive surface does.
   const bool is_hidden = kFromSensor && limits_.hide_emitters && s.depth == 0 && vertex.light();
   if constexpr (kAny)

@@ -99,9 +99,11 @@ bool lies_on_face(const Double3& from_edge, const Double3& normal, const Double3
   return std::abs(dot(from_edge, normal)) <= rounding && dot(from_edge, into_face) > 0;
 }
 
-/// By how much coordinates may be off at a point of an edge, `p` from the segment's begin.
-double rounding_of(const MeshEdge& edge, const Double3& p) {
-  return 2e-6 * std::max(length(p), double(max_component(abs(edge.a))) + double(max_component(abs(edge.b))));
+/// By how much a ray of single precision from the segment's begin may be off at a point of an edge, `p` from there.
+double rounding_of(const MeshEdge& edge, const EdgeSegment& segment, const Double3& p) {
+  const auto largest = [](const Double3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
+  return 2e-7 * (largest(segment.from) + length(p) +
+                 double(std::max(max_component(abs(edge.a)), max_component(abs(edge.b)))));
 }
 
 /// Adds the boundary wave of a part of an edge, as chords of its curve in the Fresnel plane.
@@ -188,13 +190,7 @@ private:
   std::unordered_map<std::uint64_t, Vec3> first_;  ///< of each cell
 };
 
-/// The distance within which vertices are welded: a fortieth of the shortest wavelength, or the rounding of coordinates.
-float welding_distance(std::span<const TriangleSet> sets, double shortest_wavelength) {
-  float largest = 0;
-  for (const TriangleSet& set : sets)
-    for (const Vec3& p : set.positions) largest = std::max(largest, max_component(abs(p)));
-  return std::max(2.5e-7f * largest, float(shortest_wavelength / 40));
-}
+/// The triangles with vertices welded within that distance.
 std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> sets, float distance) {
   Welder welder(distance);
   std::vector<std::vector<Vec3>> welded;
@@ -209,7 +205,7 @@ std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> set
 
 OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->length_unit_m) {
   const DiffractingShapes shapes(parts);
-  welded_ = welding_distance(shapes.sets, parts.context->grid.min_nm * nm_);
+  welded_ = float(parts.context->grid.min_nm * nm_ / 40);
   const auto positions = welded_positions(shapes.sets, welded_);
   std::vector<TriangleSet> sets;
   for (std::size_t i = 0; i < positions.size(); ++i) sets.push_back({positions[i], shapes.sets[i].triangles});
@@ -274,7 +270,7 @@ bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment
   // The border of a sheet does not act on light of a point of that sheet.
   if (!edge.is_boundary) return true;
   const Double3 normal(edge.n0), into_face = face_direction(normal, line.e);
-  const double rounding = rounding_of(edge, out.p);
+  const double rounding = rounding_of(edge, segment, out.p);
   if (lies_on_face(-out.p, normal, into_face, rounding)) return false;
   return line.is_infinite() || !lies_on_face(segment.d * segment.length - out.p, normal, into_face, rounding);
 }
@@ -296,7 +292,7 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   const double falling = std::max(std::abs(side0), std::abs(side1));
   if (!is_outline && !(falling > 0.5 && std::min(std::abs(side0), std::abs(side1)) < 0.2)) return false;
   if ((std::abs(side0) >= std::abs(side1) ? side0 : side1) > 0) normal = -normal;
-  const double rounding = rounding_of(edge, passage.p);
+  const double rounding = rounding_of(edge, segment, passage.p);
   side.normal = normal;
   side.offset = 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
   side.beside = segment.from + passage.p + normal * side.offset;
@@ -304,6 +300,10 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   side.is_open = height > 0;
   side.is_at_border = std::abs(height) <= rounding;
   return true;
+}
+
+double OutlineEdges::parameter(const EdgePassage& passage, const EdgeSegment& segment) const {
+  return 2 * std::sqrt(std::max(0.0, Line(*passage.edge, segment).detour(passage.middle)));
 }
 
 void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
@@ -315,11 +315,12 @@ void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segme
 
 bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
                              EdgePairField& out) const {
-  constexpr double kSameSide = 0.1;
+  // Edges at right angles make a corner if they belong to one shape; of two shapes they act as a product.
+  const double least_cosine = first.edge->face0.set == second.edge->face0.set ? 0.1 : -0.1;
   const auto passes_middle = [](const EdgePassage& p) { return p.middle > p.begin && p.middle < p.end; };
   if (!passes_middle(first) || !passes_middle(second)) return false;
   const MeshEdge &edge1 = *first.edge, &edge2 = *second.edge;
-  const double rounding = rounding_of(edge1, first.p);
+  const double rounding = rounding_of(edge1, segment, first.p);
   // Edges with one common end make a corner, which is in the waves of their ends; with two they are one edge.
   const auto meet = [&](const Vec3& a, const Vec3& b) { return double(length(a - b)) <= rounding; };
   const int common =
@@ -336,7 +337,7 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
     return false;
   const auto across = [&](const Double3& v) { return normalize(v - segment.d * dot(v, segment.d)); };
   const double cosine = dot(across(out.side1.normal), across(out.side2.normal));
-  if (!(cosine > kSameSide)) return false;
+  if (!(cosine > least_cosine)) return false;
 
   const Line line1(edge1, segment), line2(edge2, segment);
   const auto parameter = [](const Line& line, const EdgePassage& p, const EdgeSide& side) {
@@ -349,7 +350,6 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   out.r1 = z1, out.between = z2 - z1, out.r2 = segment.length - z2;
   if (!(out.r1 > 0) || !(out.r2 > 0) || out.between < 0) return false;
   out.obliquity1 = line1.obliquity(first.middle), out.obliquity2 = line2.obliquity(second.middle);
-  out.obliquity = std::sqrt(std::max(0.0, (1 + dot(first.in, second.out)) / 2));
   // From the first edge straight on to the end, at the depth of the second; and from the begin to the second.
   const Double3 from1 = line1.is_infinite()
                             ? first.p + segment.d * (z2 - z1)
@@ -359,22 +359,30 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   return true;
 }
 
-void OutlineEdges::add_pair(const EdgePairField& pair, bool is_open, std::optional<bool> subtracted1,
-                            std::optional<bool> subtracted2, const double* wavelengths, int count,
-                            std::complex<double>* field) const {
+void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double obliquity,
+                           const double* wavelengths, int count, std::complex<double>* field) const {
+  const bool is_open = std::all_of(row.begin(), row.end(), [](const RowEdge& e) { return e.is_open; });
   for (int i = 0; i < count; ++i) {
     const double scale = 1 / std::sqrt(wavelengths[i]);
-    const double v1 = pair.v1 * scale, v2 = pair.v2 * scale;
-    const double weight = optics::window_weight(std::max(std::abs(v1), std::abs(v2)), window_);
+    double largest = 0;
+    for (const EdgePairField& pair : pairs)
+      largest = std::max({largest, std::abs(pair.v1 * scale), std::abs(pair.v2 * scale)});
+    const double weight = optics::window_weight(largest, window_);
     if (weight == 0) continue;
-    std::complex<double> more =
-        pair.obliquity *
-        (optics::two_edges_field(v1, v2, pair.correlation(wavelengths[i])) - (is_open ? 1.0 : 0.0));
-    const auto add_back = [&](std::optional<bool> as_open, double v, double obliquity) {
-      if (as_open) more += (*as_open ? obliquity : -obliquity) * optics::knife_edge_field(-std::abs(v));
-    };
-    add_back(subtracted1, v1, pair.obliquity1);
-    add_back(subtracted2, v2, pair.obliquity2);
+    std::complex<double> common = 1;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const EdgePairField& pair = pairs[k];
+      common *= optics::two_edges_field(pair.v1 * scale, pair.v2 * scale, pair.correlation(wavelengths[i]));
+      if (k > 0) common /= optics::knife_edge_field(pair.v1 * scale);
+    }
+    std::complex<double> more = obliquity * (common - (is_open ? 1.0 : 0.0));
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (!row[k].subtracted) continue;
+      const EdgePairField& pair = pairs[std::min(k, pairs.size() - 1)];
+      const bool is_first = k < pairs.size();
+      const double v = (is_first ? pair.v1 : pair.v2) * scale, c = is_first ? pair.obliquity1 : pair.obliquity2;
+      more += (*row[k].subtracted ? c : -c) * optics::knife_edge_field(-std::abs(v));
+    }
     field[i] += weight * more;
   }
 }

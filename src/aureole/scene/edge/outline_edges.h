@@ -9,6 +9,7 @@
 #include <complex>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,9 +55,9 @@ struct EdgePairField {
   double cosine;          ///< of the angle between them about the segment
   double r1, between,
       r2;  ///< distances along the segment: to the first, from there to the second, and on to the end
-  double obliquity1, obliquity2, obliquity;  ///< of each alone, and of both
-  double height1,
-      height2;  ///< of the way by the first above the second, and of that by the second above the first
+  double obliquity1, obliquity2;  ///< cos(theta/2) of paths by way of edge 1 alone and of edge 2 alone
+  double height1;  ///< height above edge 2 of the ray from edge 1 straight to the segment's end
+  double height2;  ///< height above edge 1 of the ray from the segment's begin straight to edge 2
 
   /// Their correlation (`two_edges_field`). Nearer to each other than a twentieth of the wavelength they are one edge.
   double correlation(double wavelength) const {
@@ -102,19 +103,30 @@ public:
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
                  const Double3& out, bool grazes, EdgeSide& side) const;
 
+  /// Returns |v| of an edge at a unit wavelength, where the detour of its whole line is smallest.
+  double parameter(const EdgePassage& passage, const EdgeSegment& segment) const;
+
   /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the scene].
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
 
   /// Sets how two edges act together, `first` being the one that the segment passes first; false where they do not: on
-  /// different sides of the segment, in one plane, with a common end, or where the segment passes an end of one.
+  /// opposite sides of the segment, at right angles on one shape, in one plane, with a common end, or where the segment
+  /// passes an end of one.
   bool find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
                  EdgePairField& out) const;
-  /// Adds to u/u0 the field of a pair less what it has of them: 1 if the segment `is_open`, and the waves of those edges
-  /// that were subtracted, as which side the segment was taken to pass on.
-  void add_pair(const EdgePairField& pair, bool is_open, std::optional<bool> subtracted1,
-                std::optional<bool> subtracted2, const double* wavelengths, int count,
-                std::complex<double>* field) const;
+  /// An edge of a row of edges that act together.
+  struct RowEdge {
+    bool is_open;  ///< whether the segment is taken to pass on its open side
+    /// Whether its wave was subtracted from u/u0 as that of a segment on its open side (true) or in its shadow (false);
+    /// empty: it was not subtracted.
+    std::optional<bool> subtracted;
+  };
+  /// Replaces the waves of edges one behind the other by their common field: of two edges `two_edges_field`, of more the
+  /// product of the fields of neighbours over those of inner edges alone. `pairs[i]` are the edges i and i + 1; `obliquity`
+  /// is cos(theta/2) of the turn by way of all.
+  void add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double obliquity,
+               const double* wavelengths, int count, std::complex<double>* field) const;
 
   /// Wavelengths of a path in units of the scene.
   double wavelength(float nm) const { return double(nm) * nm_; }
