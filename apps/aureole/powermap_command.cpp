@@ -362,8 +362,9 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--max-depth", a->max_depth, "replace the integrator's max_depth");
   options.add("--diffraction", a->diffraction, "edges of shapes diffract");
   options
-      .add("--diffraction-model", a->diffraction_model,
-           "how edges diffract, beams or segments; segments selects the integrator path unless --integrator is given")
+      .add(
+          "--diffraction-model", a->diffraction_model,
+          "how edges diffract, beams or segments; segments selects the integrator path unless --integrator is given")
       .one_of({"beams", "segments"});
   options
       .add(

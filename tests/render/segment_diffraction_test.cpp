@@ -27,12 +27,13 @@ struct Bench {
   double distance, half;
   int columns, rows = 2;
   std::string sheets;
-  int samples = 16;  ///< of each of 16 replicates
+  int samples = 16;       ///< of each of 16 replicates
   bool has_spot = false;  ///< the lamp shines into a cone of 0.3 degrees
 
   Picture picture(const std::string& integrator = "path") const {
-    return render(fmt::format(
-                      R"(<integrator type="{0}"><boolean name="diffraction" value="true"/>
+    return render(
+        fmt::format(
+            R"(<integrator type="{0}"><boolean name="diffraction" value="true"/>
     <string name="diffraction_model" value="segments"/></integrator>
   <sensor type="orthographic"><transform name="to_world"><scale value="{2}"/>
     <lookat origin="0, 0, -{3}" target="0, 0, -{1}" up="0, 1, 0"/></transform>
@@ -43,13 +44,14 @@ struct Bench {
   <shape type="rectangle"><transform name="to_world"><scale value="20"/><translate z="-{1}"/></transform>
     <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
   <emitter type="{7}"><spectrum name="intensity" value="1"/>)",
-                      integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples,
-                      has_spot ? "spot" : "point") +
-                  (has_spot ? fmt::format(R"(<float name="cutoff_angle" value="0.3"/><float name="beam_width" value="0.29"/>
+            integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples,
+            has_spot ? "spot" : "point") +
+        (has_spot
+             ? fmt::format(R"(<float name="cutoff_angle" value="0.3"/><float name="beam_width" value="0.29"/>
     <transform name="to_world"><lookat origin="0, 0, {}" target="0, 0, 0" up="0, 1, 0"/></transform>)",
-                                          distance)
-                            : fmt::format(R"(<point name="position" x="0" y="0" z="{}"/>)", distance)) +
-                  "</emitter>" + sheets);
+                           distance)
+             : fmt::format(R"(<point name="position" x="0" y="0" z="{}"/>)", distance)) +
+        "</emitter>" + sheets);
   }
   /// Radiance of the screen without sheets.
   double unobstructed() const { return 1 / (4 * distance * distance * M_PI); }
@@ -262,11 +264,26 @@ TEST(SegmentDiffraction, RowsOfEdges) {
     int count;
     double spacing, most_db;
     double intensity[12];
-  } kRows[] = {
-      {2, 0.1, 0.05, {0.0031774, 0.0051459, 0.0091979, 0.018722, 0.044583, 0.12325, 0.3605, 0.90457, 1.3939, 0.94746, 1.0389, 0.95535}},
-      {3, 0.001, 0.2, {0.0063494, 0.0096366, 0.015896, 0.029484, 0.063128, 0.1553, 0.40337, 0.91235, 1.3337, 0.9636, 1.0121, 0.97325}},
-      {3, 0.1, 1.5, {0.0017146, 0.0028778, 0.0054401, 0.011948, 0.031439, 0.097942, 0.3246, 0.9034, 1.4496, 0.92715, 1.0595, 0.95043}},
-      {4, 0.1, 3.6, {0.0010074, 0.0017122, 0.0033352, 0.0077469, 0.022304, 0.078448, 0.29639, 0.91159, 1.4911, 0.90803, 1.0599, 0.95251}}};
+  } kRows[] = {{2,
+                0.1,
+                0.05,
+                {0.0031774, 0.0051459, 0.0091979, 0.018722, 0.044583, 0.12325, 0.3605, 0.90457, 1.3939,
+                 0.94746, 1.0389, 0.95535}},
+               {3,
+                0.001,
+                0.2,
+                {0.0063494, 0.0096366, 0.015896, 0.029484, 0.063128, 0.1553, 0.40337, 0.91235, 1.3337, 0.9636,
+                 1.0121, 0.97325}},
+               {3,
+                0.1,
+                1.5,
+                {0.0017146, 0.0028778, 0.0054401, 0.011948, 0.031439, 0.097942, 0.3246, 0.9034, 1.4496,
+                 0.92715, 1.0595, 0.95043}},
+               {4,
+                0.1,
+                3.6,
+                {0.0010074, 0.0017122, 0.0033352, 0.0077469, 0.022304, 0.078448, 0.29639, 0.91159, 1.4911,
+                 0.90803, 1.0599, 0.95251}}};
   for (const auto& [count, spacing, most_db, intensity] : kRows) {
     std::string sheets;
     for (int i = 0; i < count; ++i)
@@ -303,7 +320,8 @@ TEST(SegmentDiffraction, BarsHaveTwoEdgesOnEachSide) {
         const double x = bench.half * (2 * (i + (k + 0.5) / kSub) / bench.columns - 1);
         mean += std::norm(two_half_planes(half, half, s, x) + two_half_planes(half, half, s, -x)) / kSub;
       }
-      worst = std::max(worst, std::abs(10 * std::log10(p.mean[std::size_t(i)] / bench.unobstructed() / mean)));
+      worst =
+          std::max(worst, std::abs(10 * std::log10(p.mean[std::size_t(i)] / bench.unobstructed() / mean)));
     }
     std::printf("bar of 2 mm, %g mm thick: largest error %.3f dB\n", 2e3 * s, worst);
     EXPECT_LT(worst, 0.2) << s;
@@ -332,7 +350,7 @@ TEST(SegmentDiffraction, LampsOfSomeWidth) {
   const double half = std::sqrt(kWavelength);  // of the lamp, at the distance of the screen
   const auto radiance = [&](const std::string& sheets) {
     return render(fmt::format(
-        R"(<integrator type="direct"><boolean name="diffraction" value="true"/>
+                      R"(<integrator type="direct"><boolean name="diffraction" value="true"/>
     <string name="diffraction_model" value="segments"/><integer name="emitter_samples" value="16"/></integrator>
   <sensor type="orthographic"><transform name="to_world"><scale value="1e-6"/>
     <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
@@ -344,7 +362,8 @@ TEST(SegmentDiffraction, LampsOfSomeWidth) {
     <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
   <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><scale x="{}" y="1e-5"/><translate z="1"/></transform>
     <emitter type="area"><spectrum name="radiance" value="1"/></emitter></shape>)",
-        kSanitized ? 1 : 128, half) + sheets);
+                      kSanitized ? 1 : 128, half) +
+                  sheets);
   };
   const double free = radiance("").mean[0];
   const struct {
@@ -377,7 +396,8 @@ TEST(SegmentDiffraction, LampsAtInfinity) {
                     sheets)
           .mean[0];
     };
-    EXPECT_NEAR(radiance(sheet(-1, edge, -1, 1)) / radiance("") / optics::knife_edge_intensity(v), 1, 0.01) << v;
+    EXPECT_NEAR(radiance(sheet(-1, edge, -1, 1)) / radiance("") / optics::knife_edge_intensity(v), 1, 0.01)
+        << v;
   }
 }
 
@@ -447,9 +467,9 @@ TEST(SegmentDiffraction, BadInput) {
   };
   const std::string on = R"(<boolean name="diffraction" value="true"/>
       <string name="diffraction_model" value="segments"/>)";
-  EXPECT_NE(error_of(R"(<integrator type="bdpt">)" + on + "</integrator>")
-                .find("\"segments\" is not one of beams"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of(R"(<integrator type="bdpt">)" + on + "</integrator>").find("\"segments\" is not one of beams"),
+      std::string::npos);
   EXPECT_NE(
       error_of(R"(<integrator type="path">)" + on + R"(<string name="beam_width" value="1mm"/></integrator>)")
           .find("belongs to the diffraction model \"beams\""),

@@ -32,8 +32,10 @@ void travel(TestSegment& c, float t, const Wavelengths& w, SegmentEmission* emis
 
 Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
   if (!(c.through_emitters && point.surface->light) && !c.is_inactive(point, w)) {
-    c.passage *= null_transmittance(point, c.d, w);
-    if (is_black(c.passage)) return Event::blocked;
+    const Spectrum passed = null_transmittance(point, c.d, w);
+    c.passage *= passed;
+    if (max_component(passed) >= TestSegment::kOpaque) c.clear_passage *= passed;
+    if (is_black(c.passage) && !c.goes_behind) return Event::blocked;
     if (c.crossings_left != kUnlimitedCrossings && !point.surface->is_null() && --c.crossings_left < 0)
       return Event::blocked;
   }

@@ -28,10 +28,15 @@ struct TestSegment : Segment {
   Vec3 target;       ///< the far end, if there is one, off the surface that it lies on
   float end_offset;  ///< distance from `target` to that surface
   bool infinite;
-  bool through_emitters;                     ///< surfaces of lights do not occlude it
+  bool through_emitters;  ///< surfaces of lights do not occlude it
+  bool
+      goes_behind;  ///< the march goes on behind what blocks it, to find `clear_passage`; `passage` is 0 then
   int crossings_left = kUnlimitedCrossings;  ///< crossings of surfaces that count for the limit of segments
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;
+  Spectrum
+      clear_passage;  ///< `passage` without surfaces that pass less than `kOpaque` of the light, and without media
+  static constexpr float kOpaque = 0.01f;
 
   // In scenes with media (transport/medium_segment.h):
   std::uint32_t key;  ///< for random numbers
@@ -65,6 +70,7 @@ struct TestSegment : Segment {
       passage = Spectrum(1.f) / w.pdf;
     else
       passage = Spectrum(1.f) / (w.pdf * sum(own_pdf + other_pdf));
+    clear_passage = passage;
   }
   /// Completes `passage` where the connection is not occluded, in scenes with media.
   void finish() {
@@ -147,7 +153,7 @@ inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const
   d = direction;
   offset = distance_from_surface(ray.o - from.p, direction);
   end_offset = distance_from_surface(target - to.p, direction);
-  infinite = through_emitters = false;
+  infinite = through_emitters = goes_behind = false;
   crossings_left = kUnlimitedCrossings;
 }
 
@@ -160,7 +166,7 @@ inline void TestSegment::set(const Ray& r) {
   ray = r;
   origin = r.o, d = r.d;
   offset = end_offset = 0;
-  infinite = true, through_emitters = false;
+  infinite = true, through_emitters = goes_behind = false;
   crossings_left = kUnlimitedCrossings;
 }
 

@@ -21,19 +21,19 @@ inline Spectrum diffraction_factor(const Scene& scene, const Vec3& origin, const
 }
 
 /// Multiplies the passage of a connection by its diffraction factor after its visibility test, of which `is_open` is the
-/// result; true where light arrives. `passage_if_blocked`: its passage without what blocks it.
-inline bool apply_diffraction(const Scene& scene, TestSegment& segment, bool is_open,
-                              const Spectrum& passage_if_blocked, const Wavelengths& w, std::uint32_t key) {
-  if (scene.outline_edges()) return diffract_connection(scene, segment, is_open, passage_if_blocked, w);
+/// result; true where light arrives.
+inline bool apply_diffraction(const Scene& scene, TestSegment& segment, bool is_open, const Wavelengths& w,
+                              std::uint32_t key) {
+  if (scene.outline_edges()) return diffract_connection(scene, segment, is_open, w);
   if (is_open && scene.diffraction()) segment.passage *= left_by_edges(scene, LightWay::of(segment), w, key);
   return is_open;
 }
 
 /// Tests a single connection: true where light arrives from its far end; `passage` is complete then.
 inline bool arrives(const Scene& scene, TestSegment& connection, const Wavelengths& w, std::uint32_t key) {
-  const Spectrum before = connection.passage;
+  connection.goes_behind = scene.outline_edges() != nullptr;
   const bool is_open = is_visible(scene, connection, w);
-  return apply_diffraction(scene, connection, is_open, before, w, key);
+  return apply_diffraction(scene, connection, is_open, w, key);
 }
 
 }  // namespace aureole

@@ -61,13 +61,11 @@ struct BatchConnections {
   Connection of_path[kBatch];
 };
 
-/// Tells the steps the result of a connection. `passage_if_blocked`: its passage without what blocks it.
+/// Tells the steps the result of a connection.
 template <class Steps, class Connection>
-void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open,
-                    const Spectrum& passage_if_blocked) {
+void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
   if (open || scene.outline_edges())
-    open = apply_diffraction(scene, c, open, passage_if_blocked, steps.wavelengths(path),
-                             steps.connection_key(path));
+    open = apply_diffraction(scene, c, open, steps.wavelengths(path), steps.connection_key(path));
   steps.end_connection(path, k, c, open);
 }
 
@@ -79,14 +77,13 @@ template <class Steps, class Connection>
     connections.rays.intersect(scene.tracer(), RayTracer::Rays::incoherent,
                                [&](int path, const RayTracer::Hit& hit) {
                                  Connection& c = connections.of_path[path];
-                                 const Spectrum before = c.passage;
                                  const Event event = cross(scene, hit, c, steps.wavelengths(path));
                                  if (event == Event::crossed) {
                                    connections.rays.add(path, c.ray);
                                    return;
                                  }
                                  if (event == Event::escape && scene.has_media()) c.finish();
-                                 end_connection(scene, steps, path, k, c, event == Event::escape, before);
+                                 end_connection(scene, steps, path, k, c, event == Event::escape);
                                });
 }
 
@@ -99,12 +96,13 @@ template <class Steps, class Connection>
     if (!steps.connect(path, k, c)) continue;
     if constexpr (requires { steps.crossings_left(path, k); })
       c.crossings_left = steps.crossings_left(path, k);
+    c.goes_behind = scene.outline_edges() != nullptr;
     connections.rays.add(path, c.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, k, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
     Connection& c = connections.of_path[path];
-    end_connection(scene, steps, path, k, c, open || is_lost(scene, c), c.passage);
+    end_connection(scene, steps, path, k, c, open || is_lost(scene, c));
   });
 }
 

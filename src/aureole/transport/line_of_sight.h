@@ -31,7 +31,7 @@ public:
     if constexpr (requires { viewer_.crossings_before_light(path); })
       line.crossings_left = viewer_.crossings_before_light(path);
     keys_[path] = key;
-    line.passage = 1.f;
+    line.passage = line.clear_passage = 1.f;
   }
   const Ray& ray(int path) const { return lines_[path].ray; }
   void lose(int path) { viewer_.lose(path); }

@@ -27,8 +27,8 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
   else
     test.set(RayOrigin::in_space(from), normalize(to - from),
              RayOrigin::in_space(from + (to - from) * kPart));
-  test.passage = 1.f;
-  return is_visible(scene, test, w) && !is_black(test.passage);
+  test.passage = test.clear_passage = 1.f;
+  return is_visible(scene, test, w) && max_component(test.passage) >= TestSegment::kOpaque;
 }
 
 /// An edge beside the segment.
@@ -54,12 +54,14 @@ public:
       seen_[count_++] = seen;
       return;
     }
-    const auto farthest = std::max_element(seen_.begin(), seen_.end(), [](const auto& a, const auto& b) { return a.v < b.v; });
+    const auto farthest =
+        std::max_element(seen_.begin(), seen_.end(), [](const auto& a, const auto& b) { return a.v < b.v; });
     if (farthest->v > seen.v) *farthest = seen;
   }
   void sort(const EdgeSegment& segment) {
     const auto depth = [&](const SeenPassage& s) { return dot(s.passage.p, segment.d); };
-    std::sort(seen_.begin(), seen_.begin() + count_, [&](const auto& a, const auto& b) { return depth(a) < depth(b); });
+    std::sort(seen_.begin(), seen_.begin() + count_,
+              [&](const auto& a, const auto& b) { return depth(a) < depth(b); });
   }
   std::size_t size() const { return count_; }
   const SeenPassage& operator[](std::size_t i) const { return seen_[i]; }
@@ -158,7 +160,8 @@ private:
         if (to_k < length_to[k]) length_to[k] = to_k, before[k] = i;
         if (!links_[i][k].to_end) continue;
         const Double3& p = passages_[k].passage.p;
-        const double rest = segment_.is_infinite() ? -dot(p, segment_.d) : length(segment_.d * segment_.length - p);
+        const double rest =
+            segment_.is_infinite() ? -dot(p, segment_.d) : length(segment_.d * segment_.length - p);
         if (to_k + rest < best) best = to_k + rest, last = k;
       }
     }
@@ -254,12 +257,12 @@ bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, const W
   const double part = std::min(1.0, kMost / (edges.window() * 4 / 3));
   const EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
   bool any = false;
-  edges.visit(ray, edges.wavelength(max_component(w.nm)) * part * part, [&](const EdgePassage&) { any = true; });
+  edges.visit(ray, edges.wavelength(max_component(w.nm)) * part * part,
+              [&](const EdgePassage&) { any = true; });
   return any;
 }
 
-bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const Spectrum& passage_if_blocked,
-                         const Wavelengths& w) {
+bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const Wavelengths& w) {
   EdgeSegment segment{Double3(c.origin), normalize(Double3(c.d)), kInfinity};
   if (!c.infinite) {
     const Double3 along = Double3(c.target) - segment.from;
@@ -269,14 +272,16 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
   // A march through null surfaces has moved the origin of the ray.
   const float part = 1e-5f * (c.infinite ? 1 : float(segment.length));
   const Vec3 begin = scene.has_binary_visibility() ? c.ray.o : c.origin + c.d * part;
-  const Spectrum u2 = factor(scene, segment, begin, c.infinite ? c.d : c.target, is_open, w);
-  if (is_open) {
+  const Spectrum passed = is_open ? c.passage : Spectrum(0.f);
+  const bool is_blocked = max_component(passed - c.clear_passage * TestSegment::kOpaque) < 0;
+  const Spectrum u2 = factor(scene, segment, begin, c.infinite ? c.d : c.target, !is_blocked, w);
+  if (!is_blocked) {
     c.passage *= u2;
     return true;
   }
   // A connection that has crossed too many surfaces carries no light.
-  if (is_black(u2) || c.crossings_left < 0) return false;
-  c.passage = passage_if_blocked * u2 * (sum(c.own + c.other) / sum(c.own));
+  if ((!is_open && is_black(u2)) || c.crossings_left < 0) return false;
+  c.passage = passed + c.clear_passage * u2 * (sum(c.own + c.other) / sum(c.own));
   return true;
 }
 

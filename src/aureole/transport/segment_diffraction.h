@@ -17,9 +17,9 @@ Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3&
 bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, const Wavelengths& w);
 
 /// Multiplies the passage of a connection by its diffraction factor, `is_open` being the result of its visibility test,
-/// and returns whether light arrives. `passage_if_blocked`: its passage without what blocks it. Light that arrives on a
-/// blocked connection is found by no other technique, so that the MIS weight becomes that of the connection alone.
-bool diffract_connection(const Scene& scene, TestSegment& connection, bool is_open,
-                         const Spectrum& passage_if_blocked, const Wavelengths& w);
+/// and returns whether light arrives. Surfaces that pass less than a hundredth of the light block a connection; what they
+/// pass is added. Light that arrives on a blocked connection is found by no other technique, so that the MIS weight becomes
+/// that of the connection alone.
+bool diffract_connection(const Scene& scene, TestSegment& connection, bool is_open, const Wavelengths& w);
 
 }  // namespace aureole

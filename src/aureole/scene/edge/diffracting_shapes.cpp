@@ -58,7 +58,10 @@ const Bsdf* first_diffracting_bsdf(const SceneParts& parts) {
   return found;
 }
 
-DiffractingShapes::DiffractingShapes(const SceneParts& parts) {
+DiffractingShapes::DiffractingShapes(const SceneParts& parts, SeenThrough seen_through)
+    : seen_through_(seen_through) {
+  const SpectralGrid& grid = parts.context->grid;
+  middle_ = Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
   const double shortest_m = parts.context->grid.min_nm * 1e-9;
   wave_number_ = 2 * std::numbers::pi * parts.context->length_unit_m / shortest_m;
   std::unordered_set<const Bsdf*> seen;
@@ -70,11 +73,31 @@ DiffractingShapes::DiffractingShapes(const SceneParts& parts) {
     add(shape, bsdf, bool(part.emitter), part.instance.get());
   });
   add_round_shapes();
+  if (left_out_ > 0)
+    remarks.push_back(
+        "diffraction: the edges of " + std::to_string(left_out_) +
+        " shapes that light passes straight through in part (masks, panes, thin walls) do not diffract");
   for (std::size_t i = 0; i < triangles_.size(); ++i) sets.push_back({positions_[i], triangles_[i]});
+}
+
+/// Light is evaluated at normal incidence; textures have no place there, so that a BSDF with one counts as passing light.
+bool DiffractingShapes::passes_light(const Bsdf& bsdf) const {
+  if (!has(bsdf.lobes(), Lobe::null)) return false;
+  const auto& entries = bsdf.properties().entries();
+  if (std::any_of(entries.begin(), entries.end(),
+                  [](const auto& e) { return std::holds_alternative<ObjectPtr>(e.value); }))
+    return true;
+  constexpr float kOpaque = 0.01f;
+  const SurfacePoint point;
+  return max_component(bsdf.null_transmittance({0, 0, 1}, BsdfContext{middle_, point})) >= kOpaque;
 }
 
 void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, const Instance* instance) {
   if (bsdf.lobes() == kNullLobe) return;
+  if (seen_through_ == SeenThrough::left_out && passes_light(bsdf)) {
+    ++left_out_;
+    return;
+  }
   const EdgeDiffraction* mark = only_marked_ ? edge_diffraction_of(bsdf) : nullptr;
   if (only_marked_ && !(mark && mark->is_enabled() && mark->scale() > 0)) return;
   const float factor = mark ? mark->scale() : 1.f;

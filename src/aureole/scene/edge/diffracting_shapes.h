@@ -22,7 +22,10 @@ class DiffractingShapes {
 public:
   /// Meshes and, by polygons around their rims and outlines, round shapes. Without those that light passes as if they were not there,
   /// round ones that shine or are seen from within, and, where BSDFs say which shapes diffract, all others.
-  explicit DiffractingShapes(const SceneParts& parts);
+  /// `seen_through`: whether shapes count that light passes straight through in part, such as masks and panes. Those that
+  /// pass less than a hundredth of it always do.
+  enum class SeenThrough { counts, left_out };
+  explicit DiffractingShapes(const SceneParts& parts, SeenThrough seen_through = SeenThrough::counts);
 
   std::vector<TriangleSet> sets;
   std::vector<float> scale;  ///< of each set: factor of the light
@@ -41,7 +44,12 @@ private:
   void add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
                      const Instance* instance, float scale, float lift);
 
+  bool passes_light(const Bsdf& bsdf) const;
+
   double wave_number_;  ///< of the shortest wavelength, per unit of length
+  SeenThrough seen_through_;
+  Wavelengths middle_;  ///< in the middle of the film's range
+  std::size_t left_out_ = 0;
   bool only_marked_ = false;
   std::vector<const Bsdf*> marked_;
   std::vector<Round> rounds_;

@@ -101,7 +101,9 @@ bool lies_on_face(const Double3& from_edge, const Double3& normal, const Double3
 
 /// By how much a ray of single precision from the segment's begin may be off at a point of an edge, `p` from there.
 double rounding_of(const MeshEdge& edge, const EdgeSegment& segment, const Double3& p) {
-  const auto largest = [](const Double3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
+  const auto largest = [](const Double3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  };
   return 2e-7 * (largest(segment.from) + length(p) +
                  double(std::max(max_component(abs(edge.a)), max_component(abs(edge.b)))));
 }
@@ -204,7 +206,7 @@ std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> set
 }  // namespace
 
 OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->length_unit_m) {
-  const DiffractingShapes shapes(parts);
+  const DiffractingShapes shapes(parts, DiffractingShapes::SeenThrough::left_out);
   welded_ = float(parts.context->grid.min_nm * nm_ / 40);
   const auto positions = welded_positions(shapes.sets, welded_);
   std::vector<TriangleSet> sets;
@@ -359,8 +361,9 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   return true;
 }
 
-void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double obliquity,
-                           const double* wavelengths, int count, std::complex<double>* field) const {
+void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row,
+                           double obliquity, const double* wavelengths, int count,
+                           std::complex<double>* field) const {
   const bool is_open = std::all_of(row.begin(), row.end(), [](const RowEdge& e) { return e.is_open; });
   for (int i = 0; i < count; ++i) {
     const double scale = 1 / std::sqrt(wavelengths[i]);
@@ -380,7 +383,8 @@ void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const
       if (!row[k].subtracted) continue;
       const EdgePairField& pair = pairs[std::min(k, pairs.size() - 1)];
       const bool is_first = k < pairs.size();
-      const double v = (is_first ? pair.v1 : pair.v2) * scale, c = is_first ? pair.obliquity1 : pair.obliquity2;
+      const double v = (is_first ? pair.v1 : pair.v2) * scale,
+                   c = is_first ? pair.obliquity1 : pair.obliquity2;
       more += (*row[k].subtracted ? c : -c) * optics::knife_edge_field(-std::abs(v));
     }
     field[i] += weight * more;
