@@ -127,6 +127,9 @@ TEST_F(Transforms, Singular) {
   EXPECT_TRUE(Transform::look_at({1, 2, 3}, {1, 2, 3}, {0, 1, 0}).is_singular());
   EXPECT_TRUE(Transform::look_at({0, 0, 0}, {0, 5, 0}, {0, 1, 0}).is_singular());
   EXPECT_TRUE(Transform::scale(NAN, 1, 1).is_singular());
+  EXPECT_TRUE(Transform::scale(1, 5e-324, 1).is_singular());
+  EXPECT_TRUE(Transform::scale(1e-200, 1e-200, 1).is_singular());
+  EXPECT_FALSE(Transform::scale(1e-60, 1e-60, 1e-60).is_singular());
   EXPECT_TRUE(Transform::translate(INFINITY, 0, 0).is_singular());
   EXPECT_TRUE(Transform({{{1, 2, 3, 0}, {2, 4, 6, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}).is_singular());
   EXPECT_TRUE(Transform({{{1, 2, 3, 0}, {0, 0, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}).is_singular());

@@ -16,11 +16,13 @@ namespace aureole {
 namespace {
 
 class Slab final : public Bsdf {
+  static constexpr double kThickest_m = 1e6, kLargestIndex = 1e6;
+
 public:
   explicit Slab(const Properties& p)
       : Bsdf(p),
         exterior_(Ior::from(p, "ext_ior", "air")),
-        thickness_nm_(p.get_length_m("thickness", 0) * 1e9),
+        thickness_nm_(p.get_length_m("thickness", 0, {0, kThickest_m, true}) * 1e9),
         reflectance_(get_optional_texture(p, "specular_reflectance", SpectrumRole::reflectance)),
         transmittance_(get_optional_texture(p, "specular_transmittance", SpectrumRole::reflectance)) {
     if (!p.has("thickness"))
@@ -31,6 +33,9 @@ public:
     const auto k = get_optional_spectrum(p, "k", SpectrumRole::unbounded);
     const auto index = read_complex_index(p, "int_ior", "", k);
     const SpectralGrid& grid = p.context().grid;
+    for (int i = 0; i <= grid.cells; ++i)
+      if (!(std::abs(index(grid.node(i))) <= kLargestIndex))
+        throw p.error("int_ior", "the index of refraction, with \"k\", must be at most 1e6");
     eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index(nm).real(); });
     k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index(nm).imag(); });
     // At normal incidence the way through the slab is shortest, so that absorption is least.

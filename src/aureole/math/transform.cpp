@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/math/transform.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -70,7 +71,9 @@ bool Transform::is_singular() const {
     }
     scale *= std::sqrt(row);
   }
-  return !(std::abs(determinant3()) > 1e-12 * scale);
+  // Products of tiny scales vanish, and their inverse has no bound.
+  constexpr double kLeast = 1e-290;
+  return !(std::abs(determinant3()) > std::max(1e-12 * scale, kLeast));
 }
 
 bool Transform::stays_near() const {
