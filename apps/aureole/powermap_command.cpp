@@ -235,7 +235,7 @@ void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
 LoadedScene load_map(const Arguments& a) {
   LoadOptions load;
   load.defines = split_defines(a.defines);
-  const bool has_segments = a.diffraction_model == "segments";  // a model of `path` alone
+  const bool has_segments = a.diffraction_model == "segments";  // finds more of a lamp's light by `path`
   load.integrator = has_segments && a.integrator.empty() ? "path" : a.integrator;
   if (a.max_depth != kNotGiven && a.max_depth < -1)
     throw Error(fmt::format("--max-depth {}: must be at least -1, which is no limit", a.max_depth));

@@ -21,6 +21,27 @@ using Complex = std::complex<double>;
 
 constexpr double kWavelength = 550e-9;
 
+/// A white screen at z = -distance, of which the film shows [-half, half] in columns x rows cells; `further` are parameters of
+/// the integrator.
+std::string screen(const std::string& integrator, double distance, double half, int columns, int rows,
+                   int samples, const std::string& further = "") {
+  return fmt::format(
+      R"(<integrator type="{0}"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/>{7}</integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale value="{2}"/>
+    <lookat origin="0, 0, -{3}" target="0, 0, -{1}" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="{4}"/><integer name="height" value="{5}"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="{6}"/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="20"/><translate z="-{1}"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>)",
+      integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples, further);
+}
+/// Light along -z.
+const char* const kFromInfinity =
+    R"(<emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><spectrum name="irradiance" value="1"/></emitter>)";
+
 /// Black sheets at z = 0 between a lamp at z = distance and a white screen at z = -distance, of which the film shows
 /// [-half, half]^2 in columns x rows cells.
 struct Bench {
@@ -32,20 +53,9 @@ struct Bench {
 
   Picture picture(const std::string& integrator = "path") const {
     return render(
-        fmt::format(
-            R"(<integrator type="{0}"><boolean name="diffraction" value="true"/>
-    <string name="diffraction_model" value="segments"/></integrator>
-  <sensor type="orthographic"><transform name="to_world"><scale value="{2}"/>
-    <lookat origin="0, 0, -{3}" target="0, 0, -{1}" up="0, 1, 0"/></transform>
-    <film type="specfilm"><integer name="width" value="{4}"/><integer name="height" value="{5}"/><rfilter type="box"/>
-      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
-      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
-    <sampler type="sobol"><integer name="sample_count" value="{6}"/></sampler></sensor>
-  <shape type="rectangle"><transform name="to_world"><scale value="20"/><translate z="-{1}"/></transform>
-    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
-  <emitter type="{7}"><spectrum name="intensity" value="1"/>)",
-            integrator, distance, half, distance / 2, columns, rows, kSanitized ? 1 : samples,
-            has_spot ? "spot" : "point") +
+        screen(integrator, distance, half, columns, rows, samples) +
+        fmt::format(R"(<emitter type="{}"><spectrum name="intensity" value="1"/>)",
+                    has_spot ? "spot" : "point") +
         (has_spot
              ? fmt::format(R"(<float name="cutoff_angle" value="0.3"/><float name="beam_width" value="0.29"/>
     <transform name="to_world"><lookat origin="0, 0, {}" target="0, 0, 0" up="0, 1, 0"/></transform>)",
@@ -237,19 +247,7 @@ TEST(SegmentDiffraction, TwoEdgesOneBehindTheOther) {
 /// The radiance of a screen at z = -1, over that without sheets, under light along -z; cells of 0.25 mm from x = -1.5 mm.
 std::vector<double> under_plane_wave(const std::string& sheets) {
   const auto picture = [](const std::string& shapes) {
-    return render(R"(<integrator type="path"><boolean name="diffraction" value="true"/>
-    <string name="diffraction_model" value="segments"/></integrator>
-  <sensor type="orthographic"><transform name="to_world"><scale value="1.5e-3"/>
-    <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
-    <film type="specfilm"><integer name="width" value="12"/><integer name="height" value="1"/><rfilter type="box"/>
-      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
-      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
-    <sampler type="sobol"><integer name="sample_count" value="16"/></sampler></sensor>
-  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-1"/></transform>
-    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
-  <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><spectrum name="irradiance" value="1"/></emitter>)" +
-                  shapes)
-        .mean;
+    return render(screen("path", 1, 1.5e-3, 12, 1, 16) + kFromInfinity + shapes).mean;
   };
   std::vector<double> over = picture(sheets);
   const std::vector<double> free = picture("");
@@ -349,20 +347,11 @@ TEST(SegmentDiffraction, KnifeEdgeOfP526) {
 TEST(SegmentDiffraction, LampsOfSomeWidth) {
   const double half = std::sqrt(kWavelength);  // of the lamp, at the distance of the screen
   const auto radiance = [&](const std::string& sheets) {
-    return render(fmt::format(
-                      R"(<integrator type="direct"><boolean name="diffraction" value="true"/>
-    <string name="diffraction_model" value="segments"/><integer name="emitter_samples" value="16"/></integrator>
-  <sensor type="orthographic"><transform name="to_world"><scale value="1e-6"/>
-    <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
-    <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/>
-      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
-      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
-    <sampler type="sobol"><integer name="sample_count" value="{}"/></sampler></sensor>
-  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-1"/></transform>
-    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+    return render(screen("direct", 1, 1e-6, 1, 1, 128, R"(<integer name="emitter_samples" value="16"/>)") +
+                  fmt::format(R"(
   <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><scale x="{}" y="1e-5"/><translate z="1"/></transform>
     <emitter type="area"><spectrum name="radiance" value="1"/></emitter></shape>)",
-                      kSanitized ? 1 : 128, half) +
+                              half) +
                   sheets);
   };
   const double free = radiance("").mean[0];
@@ -382,19 +371,7 @@ TEST(SegmentDiffraction, LampsAtInfinity) {
   for (const double v : {-3.0, -1.0, 0.5, 1.2172}) {
     const double edge = -v * std::sqrt(kWavelength / 2);
     const auto radiance = [&](const std::string& sheets) {
-      return render(R"(<integrator type="path"><boolean name="diffraction" value="true"/>
-    <string name="diffraction_model" value="segments"/></integrator>
-  <sensor type="orthographic"><transform name="to_world"><scale value="1e-6"/>
-    <lookat origin="0, 0, -0.5" target="0, 0, -1" up="0, 1, 0"/></transform>
-    <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/>
-      <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
-      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
-    <sampler type="sobol"><integer name="sample_count" value="4"/></sampler></sensor>
-  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-1"/></transform>
-    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
-  <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><spectrum name="irradiance" value="1"/></emitter>)" +
-                    sheets)
-          .mean[0];
+      return render(screen("path", 1, 1e-6, 1, 1, 4) + kFromInfinity + sheets).mean[0];
     };
     EXPECT_NEAR(radiance(sheet(-1, edge, -1, 1)) / radiance("") / optics::knife_edge_intensity(v), 1, 0.01)
         << v;

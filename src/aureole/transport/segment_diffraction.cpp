@@ -38,9 +38,6 @@ struct SeenPassage {
   /// Whether its wave was subtracted from the field as that of a segment on its open side (true) or in its shadow (false);
   /// empty: it was not subtracted.
   std::optional<bool> subtracted{};
-
-  /// Whether the segment passes the edge itself, and not a point beyond its ends.
-  bool passes_middle() const { return passage.middle > passage.begin && passage.middle < passage.end; }
 };
 
 /// The edges beside a segment that may act together with others, in the order along the segment.
@@ -49,7 +46,7 @@ public:
   static constexpr std::size_t kCapacity = 24;
   /// Of more than kCapacity edges those with the smallest |v| are kept.
   void add(const SeenPassage& seen) {
-    if (!seen.passes_middle() || seen.v > kLargestV) return;
+    if (!seen.passage.passes_middle() || seen.v > kLargestV) return;
     if (count_ < kCapacity) {
       seen_[count_++] = seen;
       return;
@@ -206,7 +203,7 @@ Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begi
     if (edges.find_side(passage, segment, passage.in, passage.out, false, side)) {
       if (sees(side, true) && sees(side, false)) {
         any = true;
-        seen.subtracted = side.is_at_border ? is_open : side.is_open;
+        seen.subtracted = side.takes_open(is_open);
         edges.subtract(passage, segment, *seen.subtracted, wavelengths.data(), count, field.data());
       }
     }
@@ -221,17 +218,16 @@ Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begi
     rows.for_each(!is_open && !any, [&](const std::size_t* row, std::size_t length_of_row) {
       std::array<EdgePairField, Passages::kCapacity> pairs;
       std::array<OutlineEdges::RowEdge, Passages::kCapacity> ends;
-      const auto takes = [&](const EdgeSide& side) { return side.is_at_border ? is_open : side.is_open; };
       for (std::size_t i = 0; i + 1 < length_of_row; ++i) {
         const SeenPassage &first = passages[row[i]], &second = passages[row[i + 1]];
         if (!edges.find_pair(first.passage, second.passage, segment, pairs[i])) return;
-        if (i == 0) ends[0] = {takes(pairs[0].side1), first.subtracted};
-        ends[i + 1] = {takes(pairs[i].side2), second.subtracted};
+        if (i == 0) ends[0] = {pairs[0].side1.takes_open(is_open), first.subtracted};
+        ends[i + 1] = {pairs[i].side2.takes_open(is_open), second.subtracted};
       }
       any = true;
-      const double cosine = dot(passages[row[0]].passage.in, passages[row[length_of_row - 1]].passage.out);
+      const EdgePassage &first = passages[row[0]].passage, &last = passages[row[length_of_row - 1]].passage;
       edges.add_row({pairs.data(), length_of_row - 1}, {ends.data(), length_of_row},
-                    std::sqrt(std::max(0.0, (1 + cosine) / 2)), wavelengths.data(), count, field.data());
+                    obliquity_of_turn(first.in, last.out), wavelengths.data(), count, field.data());
     });
   }
   if (!any) return is_open ? 1.f : 0.f;
@@ -254,12 +250,8 @@ bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, const W
   // |v| up to 20: less than 1e-3 of the light turns farther into a shadow.
   constexpr double kMost = 20;
   const OutlineEdges& edges = *scene.outline_edges();
-  const double part = std::min(1.0, kMost / (edges.window() * 4 / 3));
   const EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
-  bool any = false;
-  edges.visit(ray, edges.wavelength(max_component(w.nm)) * part * part,
-              [&](const EdgePassage&) { any = true; });
-  return any;
+  return edges.passes_within(kMost, ray, edges.wavelength(max_component(w.nm)));
 }
 
 bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const Wavelengths& w) {

@@ -18,6 +18,10 @@ const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf);
 /// The first BSDF in the scene that has its shape diffract, or null.
 const Bsdf* first_diffracting_bsdf(const SceneParts& parts);
 
+/// The note of a scene whose shapes have none.
+inline constexpr const char* kNoDiffractingEdges =
+    "no shape of the scene has edges that diffract: no light is diffracted";
+
 class DiffractingShapes {
 public:
   /// Meshes and, by polygons around their rims and outlines, round shapes. Without those that light passes as if they were not there,

@@ -40,10 +40,10 @@ struct Line {
     }
     return 2 * std::sqrt(sum);
   }
-  double detour(double t) const {
-    const Double3 p = at(t), across = p - segment.d * dot(p, segment.d);
-    const double f = scale(p);
-    return f * f * dot(across, across) / 4;
+  /// |v| at a unit wavelength.
+  double parameter(double t) const {
+    const Double3 p = at(t);
+    return scale(p) * aureole::length(p - segment.d * dot(p, segment.d));
   }
   /// Unit directions of light to the point `p` and on from it.
   void directions(const Double3& p, Double3& in, Double3& out) const {
@@ -54,7 +54,7 @@ struct Line {
     const Double3 p = at(t);
     Double3 in, out;
     directions(p, in, out);
-    return std::sqrt(std::max(0.0, (1 + dot(in, out)) / 2));
+    return obliquity_of_turn(in, out);
   }
 
   /// Where the detour is smallest: at Keller's point, by unfolding about the line.
@@ -229,8 +229,7 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
         " edges, so that an edge counts up to the Fresnel parameter 15 only, where it sends 36 dB less "
         "than the unobstructed light");
   }
-  if (edges_.empty())
-    notes_.push_back("no shape of the scene has edges that diffract: no light is diffracted");
+  if (edges_.empty()) notes_.push_back(kNoDiffractingEdges);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float s) { return s != 1; }))
     notes_.push_back(
         "\"scale\" of \"freespacediffraction\" has no effect with the diffraction model \"segments\"");
@@ -305,7 +304,7 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
 }
 
 double OutlineEdges::parameter(const EdgePassage& passage, const EdgeSegment& segment) const {
-  return 2 * std::sqrt(std::max(0.0, Line(*passage.edge, segment).detour(passage.middle)));
+  return Line(*passage.edge, segment).parameter(passage.middle);
 }
 
 void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
@@ -319,8 +318,7 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
                              EdgePairField& out) const {
   // Edges at right angles make a corner if they belong to one shape; of two shapes they act as a product.
   const double least_cosine = first.edge->face0.set == second.edge->face0.set ? 0.1 : -0.1;
-  const auto passes_middle = [](const EdgePassage& p) { return p.middle > p.begin && p.middle < p.end; };
-  if (!passes_middle(first) || !passes_middle(second)) return false;
+  if (!first.passes_middle() || !second.passes_middle()) return false;
   const MeshEdge &edge1 = *first.edge, &edge2 = *second.edge;
   const double rounding = rounding_of(edge1, segment, first.p);
   // Edges with one common end make a corner, which is in the waves of their ends; with two they are one edge.
@@ -342,10 +340,8 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   if (!(cosine > least_cosine)) return false;
 
   const Line line1(edge1, segment), line2(edge2, segment);
-  const auto parameter = [](const Line& line, const EdgePassage& p, const EdgeSide& side) {
-    return (side.is_open ? 2 : -2) * std::sqrt(std::max(0.0, line.detour(p.middle)));
-  };
-  out.v1 = parameter(line1, first, out.side1), out.v2 = parameter(line2, second, out.side2);
+  out.v1 = (out.side1.is_open ? 1 : -1) * line1.parameter(first.middle);
+  out.v2 = (out.side2.is_open ? 1 : -1) * line2.parameter(second.middle);
   const double z1 = dot(first.p, segment.d), z2 = dot(second.p, segment.d);
   const double behind1 = segment.length - z1;
   out.cosine = cosine;

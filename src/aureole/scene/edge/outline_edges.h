@@ -37,7 +37,15 @@ struct EdgePassage {
   double middle;      ///< where the detour of the whole line is smallest
   Double3 p;          ///< the point of that part next to `middle`, from the segment's begin
   Double3 in, out;    ///< unit directions of light from the segment's begin to `p`, and from there to its end
+
+  /// Whether the segment passes the edge itself, and not a point beyond its ends.
+  bool passes_middle() const { return middle > begin && middle < end; }
 };
+
+/// The obliquity factor cos(theta/2) of light that turns from one unit direction into another.
+inline double obliquity_of_turn(const Double3& in, const Double3& out) {
+  return std::sqrt(std::max(0.0, (1 + dot(in, out)) / 2));
+}
 
 /// How an edge parts light that comes to it and leaves it into its open side and that of its faces.
 struct EdgeSide {
@@ -46,6 +54,9 @@ struct EdgeSide {
   double offset;      ///< its distance from the edge
   bool is_open;       ///< whether the segment passes on the open side
   bool is_at_border;  ///< it passes so near to the edge that only a visibility test decides
+
+  /// The side on which the segment is taken to pass, given whether it is free.
+  bool takes_open(bool is_free) const { return is_at_border ? is_free : is_open; }
 };
 
 /// How two edges one behind the other act on a segment together.
@@ -77,24 +88,28 @@ struct EdgePairField {
 
 class OutlineEdges {
 public:
-  /// Of the shapes that diffract (diffracting_shapes.h).
+  /// Finds the edges of the shapes that diffract (diffracting_shapes.h).
   explicit OutlineEdges(const SceneParts& parts);
 
-  bool empty() const { return edges_.empty(); }
-  std::size_t edge_count() const { return edges_.size(); }
   const std::vector<std::string>& notes() const { return notes_; }
-
-  /// |v| up to which contributions count fully; they fade out up to 4/3 of it. 15 in scenes of many edges.
-  double window() const { return window_; }
 
   /// Calls visit(passage) for the edges by way of which a detour lies within the window of the longest wavelength (in units
   /// of the scene).
   template <class Visit>
   void visit(const EdgeSegment& segment, double wavelength, const Visit& visit) const {
-    const double detour = largest_detour(wavelength);
+    const double detour = detour_of(window_ * 4 / 3, wavelength);
     tree_.visit(beam_of(segment, detour), [&](std::uint32_t i) {
       EdgePassage passage;
       if (find_passage(edges_[i], segment, detour, passage)) visit(passage);
+    });
+  }
+
+  /// Whether there is an edge with |v| of at most `v`, or within the window if that is less.
+  bool passes_within(double v, const EdgeSegment& segment, double wavelength) const {
+    const double detour = detour_of(std::min(v, window_ * 4 / 3), wavelength);
+    EdgePassage passage;
+    return !tree_.visit_while(beam_of(segment, detour), [&](std::uint32_t i) {
+      return !find_passage(edges_[i], segment, detour, passage);
     });
   }
 
@@ -132,10 +147,7 @@ public:
   double wavelength(float nm) const { return double(nm) * nm_; }
 
 private:
-  double largest_detour(double wavelength) const {
-    const double largest_v = window_ * 4 / 3;
-    return wavelength * largest_v * largest_v / 4;
-  }
+  static double detour_of(double v, double wavelength) { return wavelength * v * v / 4; }
   Beam beam_of(const EdgeSegment& segment, double detour) const;
   bool find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour, EdgePassage& out) const;
 
@@ -144,8 +156,8 @@ private:
   BeamTree tree_;
   Bounds3 box_;
   double nm_;
-  double window_ = 60;
-  float welded_ = 0;  ///< vertices nearer to each other than that are one
+  double window_ = 60;  ///< |v| up to which contributions count fully; they fade out up to 4/3 of it
+  float welded_ = 0;    ///< vertices nearer to each other than that are one
   std::vector<std::string> notes_;
 };
 

@@ -41,8 +41,7 @@ SceneDiffraction::SceneDiffraction(const DiffractionInput& in, const SceneDiffra
              same_lights = same_edges && has_same_lights(in, *before);
   edges_ =
       same_edges ? reuse->edges_ : std::make_shared<const SceneEdges>(in.parts, in.parts.diffraction->width);
-  if (edges_->empty())
-    notes_.push_back("no shape of the scene has edges that diffract: no light is diffracted");
+  if (edges_->empty()) notes_.push_back(kNoDiffractingEdges);
   notes_.insert(notes_.end(), edges_->notes().begin(), edges_->notes().end());
   const SpectralGrid& grid = in.parts.context->grid;
   const Wavelengths middle = Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
