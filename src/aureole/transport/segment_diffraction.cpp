@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <optional>
+#include <vector>
 
-#include "aureole/scene/edge/outline_edges.h"
+#include "aureole/optics/faddeeva.h"
+#include "aureole/scene/edge/edge_screens.h"
+#include "aureole/transport/edge_rows.h"
 
 namespace aureole {
 
@@ -31,209 +33,243 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
   return is_visible(scene, test, w) && max_component(test.passage) >= TestSegment::kOpaque;
 }
 
-/// An edge beside the segment.
-struct SeenPassage {
-  EdgePassage passage;
-  double v = 0;  ///< |v| of the longest wavelength
-  /// Whether its wave was subtracted from the field as that of a segment on its open side (true) or in its shadow (false);
-  /// empty: it was not subtracted.
-  std::optional<bool> subtracted{};
-};
-
-/// The edges beside a segment that may act together with others, in the order along the segment.
-class Passages {
+/// The field u/u0 at the end of a segment, as a sum over the parts of edges beside it.
+class SegmentField {
 public:
-  static constexpr std::size_t kCapacity = 24;
-  /// Of more than kCapacity edges those with the smallest |v| are kept.
-  void add(const SeenPassage& seen) {
-    if (!seen.passage.passes_middle() || seen.v > kLargestV) return;
-    if (count_ < kCapacity) {
-      seen_[count_++] = seen;
-      return;
+  /// `begin` and `end` are the ends off their surfaces, `end` a direction where it is at infinity.
+  SegmentField(const Scene& scene, const EdgeSegment& segment, const Vec3& begin, const Vec3& end,
+               bool is_open, const Wavelengths& w)
+      : scene_(scene),
+        edges_(*scene.outline_edges()),
+        segment_(segment),
+        begin_(begin),
+        end_(end),
+        is_open_(is_open),
+        w_(w) {
+    double shortest = kInfinity;
+    for (std::size_t i = 0; i < wavelengths_.size(); ++i) {
+      wavelengths_[i] = edges_.wavelength(w.nm[int(i)]);
+      shortest = std::min(shortest, wavelengths_[i]), longest_ = std::max(longest_, wavelengths_[i]);
     }
-    const auto farthest =
-        std::max_element(seen_.begin(), seen_.end(), [](const auto& a, const auto& b) { return a.v < b.v; });
-    if (farthest->v > seen.v) *farthest = seen;
+    // All wavelengths of a path have one field where they differ by less than a fraction of its phase.
+    constexpr double kAlike = 1e-5;
+    if (longest_ - shortest < kAlike * longest_) count_ = 1;
+    field_.fill(is_open ? 1.0 : 0.0);
   }
-  void sort(const EdgeSegment& segment) {
-    const auto depth = [&](const SeenPassage& s) { return dot(s.passage.p, segment.d); };
-    std::sort(seen_.begin(), seen_.begin() + count_,
-              [&](const auto& a, const auto& b) { return depth(a) < depth(b); });
-  }
-  std::size_t size() const { return count_; }
-  const SeenPassage& operator[](std::size_t i) const { return seen_[i]; }
-
-private:
-  static constexpr double kLargestV = 15;  ///< beyond it two edges have less than 1e-3 of the field together
-  std::ptrdiff_t count_ = 0;
-  std::array<SeenPassage, kCapacity> seen_;
-};
-
-/// Rows of edges one behind the other, and their common field.
-class EdgeRows {
-public:
-  /// `sees(side, is_begin)`: whether a point beside an edge is visible from the segment's begin or end.
-  template <class Sees, class IsFree>
-  EdgeRows(const OutlineEdges& edges, const EdgeSegment& segment, const Passages& passages, const Sees& sees,
-           const IsFree& is_free_between)
-      : edges_(edges), segment_(segment), passages_(passages) {
-    for (std::size_t i = 0; i < passages.size(); ++i) row_of_[i] = i;
-    for (std::size_t i = 0; i < passages.size(); ++i)
-      for (std::size_t k = i + 1; k < passages.size(); ++k) {
-        Link& link = links_[i][k];
-        EdgePairField pair;
-        if (!edges.find_pair(passages[i].passage, passages[k].passage, segment, pair)) continue;
-        link.exists = is_free_between(pair.side1, pair.side2);
-        if (!link.exists) continue;
-        link.from_begin = sees(pair.side1, true), link.to_end = sees(pair.side2, false);
-        // Where rays by way of single edges do not agree with half planes, the edges are no screens for each other.
-        if (link.from_begin && link.to_end &&
-            pair.agrees(passages[i].subtracted.has_value(), passages[k].subtracted.has_value()))
-          join(i, k);
-      }
-  }
-  /// Calls use(row, count) for each row of at least two edges, as indices into the passages: sets of pairs that act together
-  /// or, if the segment is blocked and no light reaches its end by way of one or two edges, the shortest way over more.
-  template <class Use>
-  void for_each(bool is_dark, const Use& use) const {
-    std::array<std::size_t, Passages::kCapacity> row;
-    for (std::size_t first = 0; first < passages_.size(); ++first) {
-      std::size_t count = 0;
-      double least = 1e9;
-      for (std::size_t i = first; i < passages_.size(); ++i)
-        if (row_of_[i] == first) row[count++] = i, least = std::min(least, signed_v(i));
-      if (count < 2) continue;
-      if (count > 2) {
-        // An edge far below the others' is no screen between them: it would end their correlation.
-        constexpr double kBelow = 2;
-        const auto last = std::remove_if(row.begin(), row.begin() + std::ptrdiff_t(count),
-                                         [&](std::size_t i) { return signed_v(i) > least + kBelow; });
-        count = std::size_t(last - row.begin());
-      }
-      if (count >= 2 && is_linked(row.data(), count)) use(row.data(), count), is_dark = false;
-    }
-    if (is_dark)
-      if (const std::size_t count = find_shortest(row.data()); count >= 3) use(row.data(), count);
+  /// Returns |u/u0|^2 at each wavelength.
+  Spectrum factor() {
+    std::vector<EdgeBeside>& beside = beside_edges();
+    edges_.visit(segment_, longest_, [&](const EdgePassage& passage) {
+      EdgeBeside edge{passage, {}, true};
+      edge.is_outline = edges_.find_side(passage, segment_, passage.in, passage.out, false, edge.side);
+      if (edge.is_outline || edges_.find_side(passage, segment_, passage.in, passage.out, true, edge.side))
+        beside.push_back(edge);
+    });
+    if (beside.empty()) return is_open_ ? 1.f : 0.f;
+    const EdgeScreens screens(edges_, segment_, beside);
+    screens_ = &screens;
+    std::vector<EdgePart>& parts = edge_parts();
+    for (std::size_t i = 0; i < beside.size(); ++i) add_parts(i, beside[i], parts);
+    RowParts row_parts;
+    std::array<Row, kMaxRows> rows;
+    std::size_t row_count = 0;
+    if (parts.size() > 1 && !screens.is_one_sheet()) row_count = find_rows(parts, row_parts, rows);
+    for (const EdgePart& part : parts) subtract(part);
+    for (std::size_t i = 0; i < row_count; ++i) add(rows[i], row_parts);
+    if (!any_) return is_open_ ? 1.f : 0.f;
+    Spectrum result;
+    for (std::size_t i = 0; i < field_.size(); ++i)
+      result[int(i)] = float(std::norm(field_[count_ == 1 ? 0 : i]));
+    return result;
   }
 
 private:
-  struct Link {
-    bool exists = false, from_begin = false, to_end = false;
-  };
-  void join(std::size_t i, std::size_t k) {
-    const std::size_t from = std::max(row_of_[i], row_of_[k]), to = std::min(row_of_[i], row_of_[k]);
-    for (std::size_t& row : row_of_)
-      if (row == from) row = to;
-  }
-  /// |v|, negative where the segment was taken to pass in the edge's shadow.
-  double signed_v(std::size_t i) const {
+  using Field = std::array<std::complex<double>, kWavelengths>;
+  /// A part of an edge that no other edge crosses.
+  struct EdgePart {
+    std::size_t edge;  ///< index into the edges beside the segment
+    EdgePassage passage;
     EdgeSide side;
-    const EdgePassage& p = passages_[i].passage;
-    const bool is_open = !edges_.find_side(p, segment_, p.in, p.out, true, side) || side.is_open;
-    return is_open ? passages_[i].v : -passages_[i].v;
-  }
-  bool is_linked(const std::size_t* row, std::size_t count) const {
-    for (std::size_t i = 0; i + 1 < count; ++i)
-      if (!links_[row[i]][row[i + 1]].exists) return false;
-    return true;
-  }
-  /// The shortest way from the segment's begin by way of linked edges to its end; returns their number.
-  std::size_t find_shortest(std::size_t* row) const {
-    constexpr double kFar = 1e300;
-    const std::size_t n = passages_.size();
-    std::array<double, Passages::kCapacity> length_to;
-    std::array<std::size_t, Passages::kCapacity> before;
-    double best = kFar;
-    std::size_t last = n;
-    for (std::size_t k = 0; k < n; ++k) {
-      length_to[k] = kFar, before[k] = n;
-      for (std::size_t i = 0; i < k; ++i) {
-        if (!links_[i][k].exists) continue;
-        double so_far = length_to[i];
-        if (links_[i][k].from_begin && length(passages_[i].passage.p) <= so_far)
-          so_far = length(passages_[i].passage.p);
-        if (so_far == kFar) continue;
-        const double to_k = so_far + length(passages_[k].passage.p - passages_[i].passage.p);
-        if (to_k < length_to[k]) length_to[k] = to_k, before[k] = i;
-        if (!links_[i][k].to_end) continue;
-        const Double3& p = passages_[k].passage.p;
-        const double rest =
-            segment_.is_infinite() ? -dot(p, segment_.d) : length(segment_.d * segment_.length - p);
-        if (to_k + rest < best) best = to_k + rest, last = k;
-      }
-    }
+    bool is_outline;
+    bool seen_from_begin, seen_from_end;  ///< a point just off its open side
+    double v = 0;                         ///< |v| at a unit wavelength, where its detour is smallest
+    double length_weight = 1;             ///< 1: it acts like an endless edge, 0: like a point
+    double in_rows = 0;                   ///< how far it acts in rows (1) and not by itself (0)
+
+    /// Whether it diffracts light by itself.
+    bool is_seen() const { return is_outline && seen_from_begin && seen_from_end; }
+  };
+  /// Edges that act together, as indices into RowParts.
+  struct Row {
+    std::array<std::size_t, RowParts::kCapacity> parts;
     std::size_t count = 0;
-    for (std::size_t k = last; k < n; k = before[k]) row[count++] = k;
-    std::reverse(row, row + count);
+    double weight = 1;
+  };
+  static constexpr std::size_t kMaxRows = RowParts::kCapacity / 2;
+
+  // Scenes have thousands of edges beside a segment: their memory is kept.
+  static std::vector<EdgeBeside>& beside_edges() {
+    static thread_local std::vector<EdgeBeside> all;
+    all.clear();
+    return all;
+  }
+  static std::vector<EdgePart>& edge_parts() {
+    static thread_local std::vector<EdgePart> all;
+    all.clear();
+    return all;
+  }
+
+  bool sees(const Double3& p, bool is_begin) const {
+    return is_free(scene_, p.to_float(), is_begin ? begin_ : end_, !is_begin && segment_.is_infinite(), w_);
+  }
+  bool sees(const EdgeSide& side, bool is_begin) const { return sees(side.beside, is_begin); }
+
+  void add_parts(std::size_t index, const EdgeBeside& edge, std::vector<EdgePart>& parts) {
+    cuts_.clear();
+    if (!screens_->is_one_sheet()) screens_->find_cuts(index, cuts_);
+    for (std::size_t i = 0; i <= cuts_.size(); ++i) {
+      EdgePart part{index, edge.passage, edge.side, edge.is_outline, false, false};
+      if (!cuts_.empty()) {
+        const bool is_first = i == 0, is_last = i == cuts_.size();
+        part.passage = edges_.part(edge.passage, segment_, is_first ? edge.passage.begin : cuts_[i - 1],
+                                   is_last ? edge.passage.end : cuts_[i], !is_first, !is_last);
+        if (!edges_.find_side(part.passage, segment_, part.passage.in, part.passage.out, !edge.is_outline,
+                              part.side))
+          continue;
+      }
+      if (!screens_->is_one_sheet()) {
+        const DetourLine line(*part.passage.edge, segment_);
+        part.v = line.parameter(std::clamp(part.passage.middle, part.passage.begin, part.passage.end));
+        part.length_weight = length_weight(part.passage);
+      }
+      part.seen_from_begin = sees(part.side, true);
+      // What one end does not see is of use only where another edge diffracts light towards it.
+      part.seen_from_end = (part.seen_from_begin || !screens_->is_one_sheet()) && sees(part.side, false);
+      parts.push_back(part);
+    }
+  }
+
+  /// How far an edge is long enough, in both directions from where its detour is smallest, to act like an endless one.
+  double length_weight(const EdgePassage& passage) const {
+    if (!passage.passes_middle()) return 0;
+    const DetourLine line(*passage.edge, segment_);
+    const double v = line.parameter(passage.middle);
+    const double end = std::min(line.parameter(passage.begin), line.parameter(passage.end));
+    const double along = std::sqrt(std::max(0.0, end * end - v * v) / longest_);
+    constexpr double kShort = 0.5, kLong = 1.5;
+    const double t = std::clamp((along - kShort) / (kLong - kShort), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+  }
+
+  std::size_t find_rows(std::vector<EdgePart>& parts, RowParts& candidates, std::array<Row, kMaxRows>& rows) {
+    bool is_dark = !is_open_;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const EdgePart& part = parts[i];
+      if (part.is_seen()) is_dark = false;
+      RowPart candidate{part.passage};
+      candidate.weight = part.length_weight;
+      if (candidate.weight == 0) continue;
+      candidate.part = i;
+      candidate.v = part.v / std::sqrt(longest_);
+      if (part.is_seen()) candidate.subtracted = part.side.takes_open(is_open_);
+      candidates.add(candidate);
+    }
+    if (candidates.size() < 2) return 0;
+    candidates.sort(segment_);
+    const EdgeRows edge_rows(
+        edges_, segment_, candidates,
+        [&](const EdgeSide& side, bool is_begin) { return sees(side, is_begin); },
+        [&](const EdgeSide& a, const EdgeSide& b) {
+          return is_free(scene_, a.beside.to_float(), b.beside.to_float(), false, w_);
+        });
+    std::size_t count = 0;
+    edge_rows.for_each(is_dark, [&](const std::size_t* row, std::size_t length_of_row) {
+      if (count == kMaxRows || length_of_row == 2) return;  // two edges change each other's waves
+      Row& added = rows[count++];
+      added.count = length_of_row;
+      std::copy(row, row + length_of_row, added.parts.begin());
+      for (std::size_t i = 0; i < length_of_row; ++i)
+        added.weight = std::min(added.weight, candidates[row[i]].weight);
+      for (std::size_t i = 0; i < length_of_row; ++i) parts[candidates[row[i]].part].in_rows = added.weight;
+    });
     return count;
   }
 
+  /// Multiplies `weight` by the field of a part of an edge at an end of the segment, diffracted by the edge that runs along
+  /// it; false where there is none.
+  bool weaken(const EdgePart& part, bool is_begin, Field& weight) const {
+    const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
+    const auto screen = screens_->find_screen(part.edge, part.passage, !is_begin, longest_);
+    if (!screen || (is_seen && screen->v < 0 && !screen->is_at_border)) return is_seen;
+    if (!is_seen) {
+      const bool goes_around =
+          (screen->v < 0 || screen->is_at_border) &&
+          is_free(scene_, part.side.beside.to_float(), screen->beside.to_float(), false, w_) &&
+          sees(screen->beside, is_begin);
+      if (!goes_around) return false;
+    }
+    for (std::size_t i = 0; i < std::size_t(count_); ++i) {
+      const double scale = 1 / std::sqrt(wavelengths_[i]);
+      weight[i] *=
+          screen->obliquity * optics::wave_past_edge(part.v * scale, screen->v * scale, part.length_weight);
+    }
+    return true;
+  }
+
+  /// Subtracts the wave of a part of an edge.
+  void subtract(const EdgePart& part) {
+    const bool is_open = part.side.takes_open(is_open_);
+    if (screens_->is_one_sheet()) {
+      if (!part.is_seen()) return;
+      any_ = true;
+      edges_.subtract(part.passage, segment_, is_open, wavelengths_.data(), count_, field_.data());
+      return;
+    }
+    Field weight;
+    weight.fill(1 - part.in_rows);
+    if (part.in_rows == 1 || !weaken(part, true, weight) || !weaken(part, false, weight)) weight.fill(0);
+    if (part.is_seen())
+      for (auto& x : weight) x += part.in_rows;
+    if (std::all_of(weight.begin(), weight.begin() + count_, [](const auto& x) { return x == 0.0; })) return;
+    any_ = true;
+    Field wave{};
+    edges_.subtract(part.passage, segment_, is_open, wavelengths_.data(), count_, wave.data());
+    for (std::size_t i = 0; i < std::size_t(count_); ++i) field_[i] += weight[i] * wave[i];
+  }
+
+  void add(const Row& row, const RowParts& parts) {
+    std::array<EdgePairField, RowParts::kCapacity> pairs;
+    std::array<OutlineEdges::RowEdge, RowParts::kCapacity> ends;
+    for (std::size_t i = 0; i + 1 < row.count; ++i) {
+      const RowPart &first = parts[row.parts[i]], &second = parts[row.parts[i + 1]];
+      if (!edges_.find_pair(first.passage, second.passage, segment_, pairs[i])) return;
+      if (i == 0) ends[0] = {pairs[0].side1.takes_open(is_open_), first.subtracted};
+      ends[i + 1] = {pairs[i].side2.takes_open(is_open_), second.subtracted};
+    }
+    any_ = true;
+    edges_.add_row({pairs.data(), row.count - 1}, {ends.data(), row.count}, row.weight, wavelengths_.data(),
+                   count_, field_.data());
+  }
+
+  const Scene& scene_;
   const OutlineEdges& edges_;
   const EdgeSegment& segment_;
-  const Passages& passages_;
-  std::array<std::array<Link, Passages::kCapacity>, Passages::kCapacity> links_{};
-  std::array<std::size_t, Passages::kCapacity> row_of_{};
+  const Vec3 &begin_, &end_;
+  bool is_open_;
+  const Wavelengths& w_;
+  std::array<double, kWavelengths> wavelengths_;
+  double longest_ = 0;
+  int count_ = kWavelengths;
+  Field field_;
+  bool any_ = false;
+  const EdgeScreens* screens_ = nullptr;
+  std::vector<double> cuts_;
 };
 
 /// Returns the factor; `begin` and `end` are the ends off their surfaces, `end` a direction where it is at infinity.
 Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begin, const Vec3& end,
                 bool is_open, const Wavelengths& w) {
-  const OutlineEdges& edges = *scene.outline_edges();
-  std::array<double, kWavelengths> wavelengths;
-  double shortest = kInfinity, longest = 0;
-  for (std::size_t i = 0; i < wavelengths.size(); ++i) {
-    wavelengths[i] = edges.wavelength(w.nm[int(i)]);
-    shortest = std::min(shortest, wavelengths[i]), longest = std::max(longest, wavelengths[i]);
-  }
-  // All wavelengths of a path have one field where they differ by less than a fraction of its phase.
-  constexpr double kAlike = 1e-5;
-  const bool are_alike = longest - shortest < kAlike * longest;
-  const int count = are_alike ? 1 : int(wavelengths.size());
-  std::array<std::complex<double>, kWavelengths> field;
-  field.fill(is_open ? 1.0 : 0.0);
-  bool any = false;
-  const bool infinite = segment.is_infinite();
-  Passages passages;
-  const auto sees = [&](const EdgeSide& side, bool is_begin) {
-    return is_free(scene, side.beside.to_float(), is_begin ? begin : end, !is_begin && infinite, w);
-  };
-  edges.visit(segment, longest, [&](const EdgePassage& passage) {
-    SeenPassage seen{passage};
-    EdgeSide side;
-    if (edges.find_side(passage, segment, passage.in, passage.out, false, side)) {
-      if (sees(side, true) && sees(side, false)) {
-        any = true;
-        seen.subtracted = side.takes_open(is_open);
-        edges.subtract(passage, segment, *seen.subtracted, wavelengths.data(), count, field.data());
-      }
-    }
-    seen.v = edges.parameter(passage, segment) / std::sqrt(longest);
-    passages.add(seen);
-  });
-  if (passages.size() > 1) {
-    passages.sort(segment);
-    const EdgeRows rows(edges, segment, passages, sees, [&](const EdgeSide& a, const EdgeSide& b) {
-      return is_free(scene, a.beside.to_float(), b.beside.to_float(), false, w);
-    });
-    rows.for_each(!is_open && !any, [&](const std::size_t* row, std::size_t length_of_row) {
-      std::array<EdgePairField, Passages::kCapacity> pairs;
-      std::array<OutlineEdges::RowEdge, Passages::kCapacity> ends;
-      for (std::size_t i = 0; i + 1 < length_of_row; ++i) {
-        const SeenPassage &first = passages[row[i]], &second = passages[row[i + 1]];
-        if (!edges.find_pair(first.passage, second.passage, segment, pairs[i])) return;
-        if (i == 0) ends[0] = {pairs[0].side1.takes_open(is_open), first.subtracted};
-        ends[i + 1] = {pairs[i].side2.takes_open(is_open), second.subtracted};
-      }
-      any = true;
-      const EdgePassage &first = passages[row[0]].passage, &last = passages[row[length_of_row - 1]].passage;
-      edges.add_row({pairs.data(), length_of_row - 1}, {ends.data(), length_of_row},
-                    obliquity_of_turn(first.in, last.out), wavelengths.data(), count, field.data());
-    });
-  }
-  if (!any) return is_open ? 1.f : 0.f;
-  Spectrum result;
-  for (std::size_t i = 0; i < field.size(); ++i) result[int(i)] = float(std::norm(field[are_alike ? 0 : i]));
-  return result;
+  return SegmentField(scene, segment, begin, end, is_open, w).factor();
 }
 
 }  // namespace

@@ -152,6 +152,22 @@ Complex two_edges_field(double v1, double v2, double rho) {
          owen(v2, (v1 / v2 - rho) / root) - (v1 * v2 < 0 ? 0.5 : 0.0);
 }
 
+Complex wave_past_edge(double v, double w, double along) {
+  v = std::max(std::abs(v), 1e-6);
+  const double both = std::hypot(v, w);
+  Complex factor = 0;
+  if (along > 0) {
+    const Complex shadowed = corner_wave(both, std::atan(std::abs(w) / v)) / knife_edge_field(-v);
+    factor += along * (w < 0 ? shadowed : 1.0 - shadowed);
+  }
+  // A piece in one direction from the segment: the integral over its distance s v from the segment, s >= 1, of the wave
+  // there times the knife edge's field for s w.
+  if (along < 1)
+    factor +=
+        (1 - along) * (knife_edge_field(w) + w / both * knife_edge_field(-both) * std::conj(wave_factor(v)));
+  return factor;
+}
+
 double window_weight(double v, double window) {
   const double t = std::clamp((std::abs(v) / window - 1) * 3, 0.0, 1.0);
   return 1 - t * t * (3 - 2 * t);

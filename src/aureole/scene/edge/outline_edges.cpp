@@ -8,7 +8,6 @@
 #include <unordered_map>
 
 #include "aureole/core/random.h"
-#include "aureole/optics/diffraction/boundary_wave.h"
 #include "aureole/optics/faddeeva.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
 
@@ -17,79 +16,6 @@ namespace aureole {
 namespace {
 
 using optics::PlanePoint;
-
-/// An edge as a line x = a + t e, with what a segment's detours depend on.
-struct Line {
-  Line(const MeshEdge& edge, const EdgeSegment& s) : segment(s), a(edge.a) {
-    const Double3 along = Double3(edge.b) - a;
-    length = aureole::length(along);
-    e = along * (1 / length);
-    to_a = a - s.from;
-  }
-  bool is_infinite() const { return segment.is_infinite(); }
-  Double3 at(double t) const { return to_a + e * t; }  ///< from the segment's begin
-
-  /// The factor f of the Fresnel plane: a point at `p` from the segment's begin and `across` it is shown at f times
-  /// `across`, which has the length sqrt(4 delta).
-  double scale(const Double3& p) const {
-    const double z1 = dot(p, segment.d), r = aureole::length(p);
-    double sum = 1 / (r + z1);
-    if (!is_infinite()) {
-      const double z2 = segment.length - z1;
-      sum += 1 / (aureole::length(p - segment.d * segment.length) + z2);
-    }
-    return 2 * std::sqrt(sum);
-  }
-  /// |v| at a unit wavelength.
-  double parameter(double t) const {
-    const Double3 p = at(t);
-    return scale(p) * aureole::length(p - segment.d * dot(p, segment.d));
-  }
-  /// Unit directions of light to the point `p` and on from it.
-  void directions(const Double3& p, Double3& in, Double3& out) const {
-    in = normalize(p);
-    out = is_infinite() ? segment.d : normalize(segment.d * segment.length - p);
-  }
-  double obliquity(double t) const {
-    const Double3 p = at(t);
-    Double3 in, out;
-    directions(p, in, out);
-    return obliquity_of_turn(in, out);
-  }
-
-  /// Where the detour is smallest: at Keller's point, by unfolding about the line.
-  double middle() const {
-    const double t_a = -dot(to_a, e), d_a = aureole::length(at(t_a));
-    if (is_infinite()) {
-      const double along = dot(segment.d, e);
-      return t_a + d_a * along / std::sqrt(std::max(1e-30, 1 - along * along));
-    }
-    const double t_b = t_a + segment.length * dot(segment.d, e);
-    const double d_b = aureole::length(at(t_b) - segment.d * segment.length);
-    return d_a + d_b > 0 ? (t_a * d_b + t_b * d_a) / (d_a + d_b) : t_a;
-  }
-  /// The part of the line whose detours are at most that: the line in an ellipsoid or paraboloid of revolution. False
-  /// where there is none.
-  bool clip(double most, double& begin, double& end) const {
-    double g0, g1;  // the distance from the segment's begin is g0 + g1 t on its surface
-    if (is_infinite()) {
-      g0 = most + dot(to_a, segment.d), g1 = dot(e, segment.d);
-    } else {
-      const double l = segment.length, sum = l + most;
-      g0 = sum / 2 + (2 * l * dot(to_a, segment.d) - l * l) / (2 * sum), g1 = l / sum * dot(e, segment.d);
-    }
-    const double p = 1 - g1 * g1, q = dot(to_a, e) - g0 * g1, c = dot(to_a, to_a) - g0 * g0;
-    const double root = q * q - p * c;
-    if (!(p > 1e-12) || !(root > 0)) return false;
-    begin = std::max(0.0, (-q - std::sqrt(root)) / p);
-    end = std::min(length, (-q + std::sqrt(root)) / p);
-    return begin < end;
-  }
-
-  const EdgeSegment& segment;
-  Double3 a, e, to_a;
-  double length;
-};
 
 Double3 face_direction(const Double3& normal, const Double3& e) { return cross(normal, e); }
 
@@ -111,8 +37,8 @@ double rounding_of(const MeshEdge& edge, const EdgeSegment& segment, const Doubl
 /// Adds the boundary wave of a part of an edge, as chords of its curve in the Fresnel plane.
 class Chords {
 public:
-  Chords(const Line& line, double middle, const double* wavelengths, int count, double window, double sign,
-         std::complex<double>* field)
+  Chords(const DetourLine& line, double middle, const double* wavelengths, int count, double window,
+         double sign, std::complex<double>* field)
       : line_(line),
         middle_(middle),
         wavelengths_(wavelengths),
@@ -131,17 +57,13 @@ public:
   }
 
 private:
-  PlanePoint shown(double t) const {
-    const Double3 p = line_.at(t);
-    const double f = line_.scale(p);
-    return {f * dot(p, x_), f * dot(p, y_)};
-  }
+  PlanePoint shown(double t) const { return line_.in_fresnel_plane(t, x_, y_); }
   optics::PieceObliquity obliquities(double begin, double end) const {
     if (turns_little_) return {};
     return {line_.obliquity(begin), line_.obliquity(end), line_.obliquity(std::clamp(middle_, begin, end))};
   }
   void add(double begin, PlanePoint a, double end, PlanePoint b, int depth) {
-    constexpr int kMostDepth = 6;
+    constexpr int kMostDepth = 16;
     constexpr double kPhase = 0.02;
     if (depth < kMostDepth) {
       const double half = 0.5 * (begin + end);
@@ -159,7 +81,7 @@ private:
     piece.add(-sign_, {wavelengths_, std::size_t(count_)}, window_, field_);
   }
 
-  const Line& line_;
+  const DetourLine& line_;
   double middle_;
   const double* wavelengths_;
   int count_;
@@ -203,6 +125,43 @@ std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> set
   return welded;
 }
 
+/// Returns for each set of triangles the number of its plane, equal for sets in one plane; `none` for sets that are not flat.
+std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float distance,
+                                       std::uint32_t none) {
+  struct Plane {
+    Double3 p, normal;
+    double rounding;
+  };
+  std::vector<Plane> planes;
+  std::vector<std::uint32_t> sheets;
+  for (const TriangleSet& set : sets) {
+    Double3 normal{};
+    double largest = 0;
+    for (const TriangleIndices& t : set.triangles) {
+      const Double3 a(set.positions[t[0]]);
+      const Double3 n = cross(Double3(set.positions[t[1]]) - a, Double3(set.positions[t[2]]) - a);
+      if (length(n) > length(normal)) normal = n;
+    }
+    for (const Vec3& p : set.positions) largest = std::max(largest, double(max_component(abs(p))));
+    const double rounding = 2e-7 * largest + double(distance);
+    const auto lies_in = [&](const Plane& plane) {
+      return std::all_of(set.positions.begin(), set.positions.end(), [&](const Vec3& p) {
+        return std::abs(dot(Double3(p) - plane.p, plane.normal)) <= std::max(rounding, plane.rounding);
+      });
+    };
+    std::uint32_t sheet = none;
+    if (length(normal) > 0) {
+      const Plane own{Double3(set.positions[set.triangles[0][0]]), normalize(normal), rounding};
+      if (lies_in(own)) {
+        sheet = std::uint32_t(std::find_if(planes.begin(), planes.end(), lies_in) - planes.begin());
+        if (sheet == planes.size()) planes.push_back(own);
+      }
+    }
+    sheets.push_back(sheet);
+  }
+  return sheets;
+}
+
 }  // namespace
 
 OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->length_unit_m) {
@@ -213,6 +172,7 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   for (std::size_t i = 0; i < positions.size(); ++i) sets.push_back({positions[i], shapes.sets[i].triangles});
   edges_ = find_mesh_edges(sets);
   lift_ = shapes.lift;
+  sheet_ = flat_sheets(sets, welded_, kNoSheet);
   notes_ = shapes.remarks;
   std::vector<Bounds3> boxes;
   for (const MeshEdge& edge : edges_) {
@@ -260,20 +220,34 @@ Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
 
 bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour,
                                 EdgePassage& out) const {
-  const Line line(edge, segment);
+  const DetourLine line(edge, segment);
   out.edge = &edge;
   if (!line.clip(detour, out.begin, out.end)) return false;
   out.middle = line.middle();
-  // A corner is judged a little way from its end, which the next edge shares.
-  const double margin = 0.01 * (out.end - out.begin);
-  out.p = line.at(std::clamp(out.middle, out.begin + margin, out.end - margin));
-  line.directions(out.p, out.in, out.out);
-  // The border of a sheet does not act on light of a point of that sheet.
+  out = part(out, segment, out.begin, out.end, false, false);
+  // The border of a sheet does not act on light of a point of that sheet. Rays begin and end a little off surfaces.
   if (!edge.is_boundary) return true;
   const Double3 normal(edge.n0), into_face = face_direction(normal, line.e);
-  const double rounding = rounding_of(edge, segment, out.p);
+  const double rounding = 8 * rounding_of(edge, segment, out.p);
   if (lies_on_face(-out.p, normal, into_face, rounding)) return false;
   return line.is_infinite() || !lies_on_face(segment.d * segment.length - out.p, normal, into_face, rounding);
+}
+
+EdgePassage OutlineEdges::part(const EdgePassage& passage, const EdgeSegment& segment, double begin,
+                               double end, bool begins_at_cut, bool ends_at_cut) const {
+  const DetourLine line(*passage.edge, segment);
+  EdgePassage part = passage;
+  part.begin = begin, part.end = end;
+  // A corner is judged a little way from its end, which the next edge shares: farther than a visibility test is off. Where
+  // two outlines cross, light by way of either ends a little apart from the crossing.
+  const double off = offset(*passage.edge, rounding_of(*passage.edge, segment, line.at(begin)));
+  const double least = 3 * off / std::max(1e-6, length(cross(line.e, segment.d)));
+  const auto margin = [&](bool is_cut) {
+    return std::clamp(least, (is_cut ? 0.25 : 0.01) * (end - begin), 0.5 * (end - begin));
+  };
+  part.p = line.at(std::max(begin + margin(begins_at_cut), std::min(part.middle, end - margin(ends_at_cut))));
+  line.directions(part.p, part.in, part.out);
+  return part;
 }
 
 bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
@@ -295,7 +269,7 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   if ((std::abs(side0) >= std::abs(side1) ? side0 : side1) > 0) normal = -normal;
   const double rounding = rounding_of(edge, segment, passage.p);
   side.normal = normal;
-  side.offset = 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
+  side.offset = offset(edge, rounding);
   side.beside = segment.from + passage.p + normal * side.offset;
   const double height = dot(segment.d * dot(passage.p, segment.d) - passage.p, normal);
   side.is_open = height > 0;
@@ -304,21 +278,20 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
 }
 
 double OutlineEdges::parameter(const EdgePassage& passage, const EdgeSegment& segment) const {
-  return Line(*passage.edge, segment).parameter(passage.middle);
+  return DetourLine(*passage.edge, segment).parameter(passage.middle);
 }
 
 void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
                             const double* wavelengths, int count, std::complex<double>* field) const {
-  const Line line(*passage.edge, segment);
+  const DetourLine line(*passage.edge, segment);
   Chords(line, passage.middle, wavelengths, count, window_, is_open ? 1 : -1, field)
       .add(passage.begin, passage.end);
 }
 
 bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
                              EdgePairField& out) const {
-  // Edges at right angles make a corner if they belong to one shape; of two shapes they act as a product.
-  const double least_cosine = first.edge->face0.set == second.edge->face0.set ? 0.1 : -0.1;
-  if (!first.passes_middle() || !second.passes_middle()) return false;
+  if (!first.passes_middle() || !second.passes_middle() || are_of_one_sheet(*first.edge, *second.edge))
+    return false;
   const MeshEdge &edge1 = *first.edge, &edge2 = *second.edge;
   const double rounding = rounding_of(edge1, segment, first.p);
   // Edges with one common end make a corner, which is in the waves of their ends; with two they are one edge.
@@ -328,18 +301,15 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   if (common == 1) return false;
   const Double3 between = second.p - first.p;
   const double distance = length(between);
-  if (edge1.is_boundary && edge2.is_boundary && length_squared(cross(edge1.n0, edge2.n0)) < 1e-8f &&
-      std::abs(dot(between, Double3(edge1.n0))) <= rounding)
-    return false;
   const Double3 along = distance > 0 ? between * (1 / distance) : segment.d;
   if (!find_side(first, segment, first.in, along, true, out.side1) ||
       !find_side(second, segment, along, second.out, true, out.side2))
     return false;
   const auto across = [&](const Double3& v) { return normalize(v - segment.d * dot(v, segment.d)); };
   const double cosine = dot(across(out.side1.normal), across(out.side2.normal));
-  if (!(cosine > least_cosine)) return false;
+  if (!(cosine > kSideBySide)) return false;
 
-  const Line line1(edge1, segment), line2(edge2, segment);
+  const DetourLine line1(edge1, segment), line2(edge2, segment);
   out.v1 = (out.side1.is_open ? 1 : -1) * line1.parameter(first.middle);
   out.v2 = (out.side2.is_open ? 1 : -1) * line2.parameter(second.middle);
   const double z1 = dot(first.p, segment.d), z2 = dot(second.p, segment.d);
@@ -348,19 +318,29 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   out.r1 = z1, out.between = z2 - z1, out.r2 = segment.length - z2;
   if (!(out.r1 > 0) || !(out.r2 > 0) || out.between < 0) return false;
   out.obliquity1 = line1.obliquity(first.middle), out.obliquity2 = line2.obliquity(second.middle);
+  out.turn1 = obliquity_of_turn(first.in, along), out.turn2 = obliquity_of_turn(along, second.out);
   // From the first edge straight on to the end, at the depth of the second; and from the begin to the second.
   const Double3 from1 = line1.is_infinite()
                             ? first.p + segment.d * (z2 - z1)
                             : first.p + (segment.d * segment.length - first.p) * ((z2 - z1) / behind1);
   out.height1 = dot(from1 - second.p, out.side2.normal);
   out.height2 = dot(second.p * (z1 / z2) - first.p, out.side1.normal);
+  const EdgeSegment to2{segment.from, second.in, length(second.p)};
+  const EdgeSegment from_1{
+      segment.from + first.p, first.out,
+      line1.is_infinite() ? segment.length : length(segment.d * segment.length - first.p)};
+  const DetourLine before(edge1, to2), behind(edge2, from_1);
+  out.w1 = std::copysign(before.parameter(before.middle()), out.height2);
+  out.w2 = std::copysign(behind.parameter(behind.middle()), out.height1);
   return true;
 }
 
-void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row,
-                           double obliquity, const double* wavelengths, int count,
-                           std::complex<double>* field) const {
+void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double factor,
+                           const double* wavelengths, int count, std::complex<double>* field) const {
   const bool is_open = std::all_of(row.begin(), row.end(), [](const RowEdge& e) { return e.is_open; });
+  double obliquity = 1;
+  for (const EdgePairField& pair : pairs)
+    obliquity *= pair.obliquity() / (&pair == &pairs.front() ? 1 : pair.obliquity1);
   for (int i = 0; i < count; ++i) {
     const double scale = 1 / std::sqrt(wavelengths[i]);
     double largest = 0;
@@ -383,7 +363,7 @@ void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const
                    c = is_first ? pair.obliquity1 : pair.obliquity2;
       more += (*row[k].subtracted ? c : -c) * optics::knife_edge_field(-std::abs(v));
     }
-    field[i] += weight * more;
+    field[i] += factor * weight * more;
   }
 }
 

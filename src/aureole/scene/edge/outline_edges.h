@@ -14,21 +14,13 @@
 #include <vector>
 
 #include "aureole/scene/edge/beam_tree.h"
+#include "aureole/scene/edge/detour_line.h"
 #include "aureole/scene/edge/mesh_edges.h"
 #include "aureole/scene/scene_parts.h"
 #include "aureole/shape/geometry/double3.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
-
-/// A straight segment whose ends are vertices of a path, in either order.
-struct EdgeSegment {
-  Double3 from;
-  Double3 d;      ///< unit length
-  double length;  ///< kInfinity where one end is at infinity
-
-  bool is_infinite() const { return length >= double(kInfinity); }
-};
 
 /// The part of an edge by way of which detours of a segment are short.
 struct EdgePassage {
@@ -41,11 +33,6 @@ struct EdgePassage {
   /// Whether the segment passes the edge itself, and not a point beyond its ends.
   bool passes_middle() const { return middle > begin && middle < end; }
 };
-
-/// The obliquity factor cos(theta/2) of light that turns from one unit direction into another.
-inline double obliquity_of_turn(const Double3& in, const Double3& out) {
-  return std::sqrt(std::max(0.0, (1 + dot(in, out)) / 2));
-}
 
 /// How an edge parts light that comes to it and leaves it into its open side and that of its faces.
 struct EdgeSide {
@@ -66,16 +53,26 @@ struct EdgePairField {
   double cosine;          ///< of the angle between them about the segment
   double r1, between,
       r2;  ///< distances along the segment: to the first, from there to the second, and on to the end
+  double w1,
+      w2;  ///< of light straight from the begin to edge 2 at edge 1, and of light from edge 1 to the end at edge 2
   double obliquity1, obliquity2;  ///< cos(theta/2) of paths by way of edge 1 alone and of edge 2 alone
+  double turn1, turn2;            ///< cos(theta/2) at edge 1 and at edge 2 of paths by way of both
   double height1;  ///< height above edge 2 of the ray from edge 1 straight to the segment's end
   double height2;  ///< height above edge 1 of the ray from the segment's begin straight to edge 2
 
   /// Their correlation (`two_edges_field`). Nearer to each other than a twentieth of the wavelength they are one edge.
   double correlation(double wavelength) const {
+    // The detour by way of both is q/4 = (v1^2 + w2^2)/4 = (v2^2 + w1^2)/4, of which the paraxial one is
+    // (v1^2 + v2^2 - 2 rho v1 v2)/(1 - rho^2)/4: this gives rho at large angles.
+    const double q = 0.5 * (v1 * v1 + w2 * w2 + v2 * v2 + w1 * w1);
+    if (cosine > 0.99 && between > wavelength && q > 0.01 * wavelength)
+      return std::clamp((v1 * v2 - w1 * w2) / q, -1.0, 1.0);
     const double apart = std::max(0.0, between - wavelength / 20);
     const double ratio = r1 / (r1 + apart) * r2 / (r2 + apart);
     return cosine * std::sqrt(ratio);
   }
+  /// The obliquity factor of their common field: of the path by way of both, or by way of the one that hides the other.
+  double obliquity() const { return w2 >= 0 ? obliquity1 : w1 >= 0 ? obliquity2 : turn1 * turn2; }
   /// Whether visibility tests by way of single edges agree with half planes.
   bool agrees(bool first_clears, bool second_clears) const {
     const double rounding = 4 * std::max(side1.offset, side2.offset);
@@ -113,6 +110,17 @@ public:
     });
   }
 
+  /// Whether both edges bound one flat sheet, so that neither hides a part of the other.
+  bool are_of_one_sheet(const MeshEdge& a, const MeshEdge& b) const {
+    const std::uint32_t sheet = sheet_[a.face0.set];
+    return sheet != kNoSheet && sheet == sheet_[b.face0.set];
+  }
+
+  /// Returns the part of a passage between two distances from the edge's begin. `begins_at_cut`, `ends_at_cut`: there
+  /// another edge crosses it.
+  EdgePassage part(const EdgePassage& passage, const EdgeSegment& segment, double begin, double end,
+                   bool begins_at_cut, bool ends_at_cut) const;
+
   /// Sets the sides of an edge for light that comes to it along `in` and leaves it along `out`; false where it is no outline
   /// of its surface then. `grazes`: it also counts if light runs along one of its faces and the other one falls off.
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
@@ -125,9 +133,11 @@ public:
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
 
+  /// Edges whose normals about the segment have a cosine above that run side by side; others cross.
+  static constexpr double kSideBySide = 0.8;
   /// Sets how two edges act together, `first` being the one that the segment passes first; false where they do not: on
-  /// opposite sides of the segment, at right angles on one shape, in one plane, with a common end, or where the segment
-  /// passes an end of one.
+  /// opposite sides of the segment, where they cross, in one plane, with a common end, or where the segment passes an end of
+  /// one.
   bool find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
                  EdgePairField& out) const;
   /// An edge of a row of edges that act together.
@@ -138,9 +148,8 @@ public:
     std::optional<bool> subtracted;
   };
   /// Replaces the waves of edges one behind the other by their common field: of two edges `two_edges_field`, of more the
-  /// product of the fields of neighbours over those of inner edges alone. `pairs[i]` are the edges i and i + 1; `obliquity`
-  /// is cos(theta/2) of the turn by way of all.
-  void add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double obliquity,
+  /// product of the fields of neighbours over those of inner edges alone. `pairs[i]` are the edges i and i + 1.
+  void add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double factor,
                const double* wavelengths, int count, std::complex<double>* field) const;
 
   /// Wavelengths of a path in units of the scene.
@@ -148,11 +157,17 @@ public:
 
 private:
   static double detour_of(double v, double wavelength) { return wavelength * v * v / 4; }
+  /// How far from an edge a point beside it lies, if coordinates are off by `rounding`.
+  double offset(const MeshEdge& edge, double rounding) const {
+    return 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
+  }
   Beam beam_of(const EdgeSegment& segment, double detour) const;
   bool find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour, EdgePassage& out) const;
 
   std::vector<MeshEdge> edges_;
-  std::vector<float> lift_;  ///< of each set of triangles, see DiffractingShapes
+  static constexpr std::uint32_t kNoSheet = 0xffffffff;
+  std::vector<float> lift_;           ///< of each set of triangles, see DiffractingShapes
+  std::vector<std::uint32_t> sheet_;  ///< of each set of triangles: equal for sets in one plane
   BeamTree tree_;
   Bounds3 box_;
   double nm_;

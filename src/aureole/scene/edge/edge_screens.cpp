@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/edge_screens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace aureole {
+
+using optics::PlanePoint;
+
+namespace {
+
+double cross(const PlanePoint& a, const PlanePoint& b) { return a.x * b.y - a.y * b.x; }
+PlanePoint minus(const PlanePoint& a, const PlanePoint& b) { return {a.x - b.x, a.y - b.y}; }
+
+bool have_common_end(const MeshEdge& a, const MeshEdge& b) {
+  const auto equal = [](const Vec3& p, const Vec3& q) { return p.x == q.x && p.y == q.y && p.z == q.z; };
+  return equal(a.a, b.a) || equal(a.a, b.b) || equal(a.b, b.a) || equal(a.b, b.b);
+}
+
+/// The obliquity factor of light that turns at a part of an edge and at a screen, over that of light that turns at the part
+/// alone. `rest` is the light between the part and an end of the segment, `p` the point of the screen from its begin.
+double obliquity_past(const EdgePassage& part, const EdgeSegment& rest, const Double3& p, bool is_behind) {
+  const Double3 to_screen = normalize(p);
+  const Double3 from_screen = rest.is_infinite() ? rest.d : normalize(rest.d * rest.length - p);
+  const double at_screen = obliquity_of_turn(to_screen, from_screen);
+  const double at_part =
+      is_behind ? obliquity_of_turn(part.in, to_screen) : obliquity_of_turn(from_screen, part.out);
+  return at_screen * at_part / std::max(1e-6, obliquity_of_turn(part.in, part.out));
+}
+
+}  // namespace
+
+EdgeScreens::EdgeScreens(const OutlineEdges& edges, const EdgeSegment& segment,
+                         std::span<const EdgeBeside> beside)
+    : edges_(edges), segment_(segment), beside_(beside) {
+  const bool is_one = std::all_of(beside.begin(), beside.end(), [&](const EdgeBeside& e) {
+    return edges.are_of_one_sheet(*e.passage.edge, *beside.front().passage.edge);
+  });
+  if (is_one) return;
+  make_basis(segment.d, x_, y_);
+  buckets_.resize(kBuckets);
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    const EdgePassage& passage = beside[i].passage;
+    const DetourLine line(*passage.edge, segment);
+    ends_.push_back(
+        {line.in_fresnel_plane(passage.begin, x_, y_), line.in_fresnel_plane(passage.end, x_, y_)});
+    for_each_bucket(i, [&](std::size_t b) { buckets_[b].push_back(std::uint32_t(i)); });
+  }
+}
+
+std::size_t EdgeScreens::bucket_of(const PlanePoint& p) const {
+  const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi) + 0.5;
+  return std::min(std::size_t(turn * kBuckets), kBuckets - 1);
+}
+
+/// Calls visit(bucket) for the azimuths of an edge, the shorter way around the segment.
+template <class Visit>
+void EdgeScreens::for_each_bucket(std::size_t edge, const Visit& visit) const {
+  std::size_t from = bucket_of(ends_[edge][0]), to = bucket_of(ends_[edge][1]);
+  if (cross(ends_[edge][0], ends_[edge][1]) < 0) std::swap(from, to);
+  for (std::size_t b = from;; b = (b + 1) % kBuckets) {
+    visit(b);
+    if (b == to) break;
+  }
+}
+
+bool EdgeScreens::may_hide(std::size_t a, std::size_t b) const {
+  const MeshEdge &first = *beside_[a].passage.edge, &second = *beside_[b].passage.edge;
+  return a != b && !edges_.are_of_one_sheet(first, second) && !have_common_end(first, second);
+}
+
+void EdgeScreens::find_cuts(std::size_t edge, std::vector<double>& cuts) const {
+  cuts.clear();
+  const auto& [p, q] = ends_[edge];
+  const PlanePoint along = minus(q, p);
+  const double length = std::hypot(along.x, along.y);
+  const EdgePassage& passage = beside_[edge].passage;
+  const DetourLine line(*passage.edge, segment_);
+  for_each_bucket(edge, [&](std::size_t b) {
+    for (const std::uint32_t other : buckets_[b]) {
+      if (!beside_[other].is_outline || !may_hide(edge, other)) continue;
+      const PlanePoint from = ends_[other][0], to = minus(ends_[other][1], from);
+      const double sine = cross(along, to), size = length * std::hypot(to.x, to.y);
+      // Edges that run side by side have no sharp crossing.
+      constexpr double kLeastSine = 0.6;
+      static_assert(kLeastSine * kLeastSine + OutlineEdges::kSideBySide * OutlineEdges::kSideBySide > 0.999);
+      if (!(std::abs(sine) > kLeastSine * size)) continue;
+      const PlanePoint apart = minus(from, p);
+      double s = cross(apart, to) / sine;
+      const double u = cross(apart, along) / sine;
+      if (!(s > 0 && s < 1 && u >= 0 && u <= 1)) continue;
+      // An edge that runs obliquely is curved in the Fresnel plane.
+      double begin = passage.begin, end = passage.end;
+      const double side = cross(minus(p, from), to);
+      double t = begin + s * (end - begin);
+      for (int step = 0; step < 8; ++step) {
+        const double off = cross(minus(line.in_fresnel_plane(t, x_, y_), from), to);
+        if (std::abs(off) < 1e-6 * size) break;
+        ((off > 0) == (side > 0) ? begin : end) = t;
+        const double next = t - off / (sine / (passage.end - passage.begin));
+        t = next > begin && next < end ? next : 0.5 * (begin + end);
+      }
+      cuts.push_back(t);
+    }
+  });
+  std::sort(cuts.begin(), cuts.end());
+  // An edge reaches into several ranges of azimuths.
+  const double least = 1e-9 * (passage.end - passage.begin);
+  cuts.erase(std::unique(cuts.begin(), cuts.end(), [&](double a, double b) { return b - a < least; }),
+             cuts.end());
+}
+
+std::optional<EdgeScreens::Screen> EdgeScreens::find_screen(std::size_t edge, const EdgePassage& part,
+                                                            bool is_behind, double wavelength) const {
+  std::optional<Screen> found;
+  double least_beyond = kInfinity;  ///< by how much light passes beside the ends of the screen found
+  const double depth = dot(part.p, segment_.d);
+  EdgeSegment rest{segment_.from, part.in, length(part.p)};
+  if (is_behind) {
+    rest.from = segment_.from + part.p, rest.d = part.out;
+    if (segment_.is_infinite())
+      rest.length = segment_.length;
+    else
+      rest.length = length(segment_.d * segment_.length - part.p);
+  }
+  const DetourLine own(*part.edge, segment_);
+  const double t = dot(part.p - own.to_a, own.e);
+  const auto look_at = [&](std::uint32_t other) {
+    if (!may_hide(edge, other)) return;
+    const EdgeBeside& screen = beside_[other];
+    const double between = (dot(screen.passage.p, segment_.d) - depth) * (is_behind ? 1 : -1);
+    if (!(between > wavelength / 20)) return;
+    const auto across = [&](const Double3& v) { return normalize(v - segment_.d * dot(v, segment_.d)); };
+    if (dot(across(beside_[edge].side.normal), across(screen.side.normal)) < OutlineEdges::kSideBySide)
+      return;
+    const DetourLine line(*screen.passage.edge, rest);
+    const double middle = line.middle(), at = std::clamp(middle, 0.0, line.length);
+    const Double3 p = line.at(at);
+    // Light may pass between the ends of two edges of a round outline.
+    constexpr double kBeyond = 0.3;
+    const double beyond = std::abs(middle - at) * line.scale(p);
+    if (beyond > std::min(kBeyond * std::sqrt(wavelength), least_beyond)) return;
+    const double height = dot(rest.d * dot(p, rest.d) - p, screen.side.normal);
+    const double v = std::copysign(line.parameter(middle), height);
+    if (found && beyond == least_beyond && found->v <= v) return;
+    least_beyond = beyond;
+    found = Screen{v, rest.from + p + screen.side.normal * screen.side.offset,
+                   v < 0 ? obliquity_past(part, rest, p, is_behind) : 1,
+                   std::abs(height) < 4 * std::max(screen.side.offset, beside_[edge].side.offset)};
+  };
+  // The segment may pass between both edges.
+  const std::size_t bucket = bucket_of(own.in_fresnel_plane(t, x_, y_));
+  for (const std::size_t b : {bucket, (bucket + kBuckets / 2) % kBuckets})
+    std::for_each(buckets_[b].begin(), buckets_[b].end(), look_at);
+  return found;
+}
+
+}  // namespace aureole
