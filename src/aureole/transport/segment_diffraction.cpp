@@ -60,9 +60,13 @@ public:
   Spectrum factor() {
     std::vector<EdgeBeside>& beside = beside_edges();
     edges_.visit(segment_, longest_, [&](const EdgePassage& passage) {
+      // An edge that is no outline for light that turns at it alone may be one for light that also turns at another edge.
       EdgeBeside edge{passage, {}, true};
-      edge.is_outline = edges_.find_side(passage, segment_, passage.in, passage.out, false, edge.side);
-      if (edge.is_outline || edges_.find_side(passage, segment_, passage.in, passage.out, true, edge.side))
+      const Double3 &in = passage.in, &out = passage.out;
+      edge.is_outline = edges_.find_side(passage, segment_, in, out, false, edge.side);
+      if (edge.is_outline || edges_.find_side(passage, segment_, in, out, true, edge.side) ||
+          edges_.find_side(passage, segment_, in, in, true, edge.side) ||
+          edges_.find_side(passage, segment_, out, out, true, edge.side))
         beside.push_back(edge);
     });
     if (beside.empty()) return is_open_ ? 1.f : 0.f;
@@ -133,8 +137,12 @@ private:
         const bool is_first = i == 0, is_last = i == cuts_.size();
         part.passage = edges_.part(edge.passage, segment_, is_first ? edge.passage.begin : cuts_[i - 1],
                                    is_last ? edge.passage.end : cuts_[i], !is_first, !is_last);
-        if (!edges_.find_side(part.passage, segment_, part.passage.in, part.passage.out, !edge.is_outline,
-                              part.side))
+        // A part that is an outline for other directions keeps the sides of the whole edge.
+        if (edges_.find_side(part.passage, segment_, part.passage.in, part.passage.out, !edge.is_outline,
+                             part.side) ||
+            !edge.is_outline)
+          part.side.beside = segment_.from + part.passage.p + part.side.normal * part.side.offset;
+        else
           continue;
       }
       if (!screens_->is_one_sheet()) {
@@ -195,9 +203,9 @@ private:
     return count;
   }
 
-  /// Multiplies `weight` by the field of a part of an edge at an end of the segment, diffracted by the edge that runs along
-  /// it; false where there is none.
-  bool weaken(const EdgePart& part, bool is_begin, Field& weight) const {
+  /// Multiplies `weight` by how the edge that runs along a part of an edge changes its wave, between it and an end of the
+  /// segment. Returns false where no light goes there; sets `turns` where light turns at both edges.
+  bool weaken(const EdgePart& part, bool is_begin, Field& weight, bool& turns) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
     const auto screen = screens_->find_screen(part.edge, part.passage, !is_begin, longest_);
     if (!screen || (is_seen && screen->v < 0 && !screen->is_at_border)) return is_seen;
@@ -208,6 +216,7 @@ private:
           sees(screen->beside, is_begin);
       if (!goes_around) return false;
     }
+    if (screen->v < 0 || screen->is_at_border) turns = true;
     for (std::size_t i = 0; i < std::size_t(count_); ++i) {
       const double scale = 1 / std::sqrt(wavelengths_[i]);
       weight[i] *=
@@ -227,7 +236,10 @@ private:
     }
     Field weight;
     weight.fill(1 - part.in_rows);
-    if (part.in_rows == 1 || !weaken(part, true, weight) || !weaken(part, false, weight)) weight.fill(0);
+    bool turns = part.is_outline;
+    if (part.in_rows == 1 || !weaken(part, true, weight, turns) || !weaken(part, false, weight, turns) ||
+        !turns)
+      weight.fill(0);
     if (part.is_seen())
       for (auto& x : weight) x += part.in_rows;
     if (std::all_of(weight.begin(), weight.begin() + count_, [](const auto& x) { return x == 0.0; })) return;
