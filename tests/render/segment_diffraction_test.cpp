@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The diffraction model "segments" in pictures: knife edges, slits, squares, strips and discs against Fresnel's integrals,
 // cell by cell, which share no code with the renderer.
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <complex>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <vector>
 
@@ -71,11 +74,19 @@ struct Bench {
   }
 };
 
-std::string sheet(double x0, double x1, double y0, double y1) {
+std::string sheet(double x0, double x1, double y0, double y1, double z = 0) {
   return fmt::format(
-      R"(<shape type="rectangle"><transform name="to_world"><scale x="{}" y="{}"/><translate x="{}" y="{}"/></transform>
+      R"(<shape type="rectangle"><transform name="to_world"><scale x="{}" y="{}"/><translate x="{}" y="{}" z="{}"/></transform>
     <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
-      (x1 - x0) / 2, (y1 - y0) / 2, (x0 + x1) / 2, (y0 + y1) / 2);
+      (x1 - x0) / 2, (y1 - y0) / 2, (x0 + x1) / 2, (y0 + y1) / 2, z);
+}
+
+/// A black mesh of the text of an OBJ file, which is written there.
+std::string black_mesh(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+  return R"(<shape type="obj"><string name="filename" value=")" + file.string() +
+         R"("/><boolean name="face_normals" value="true"/><bsdf type="twosided"><bsdf type="diffuse">
+    <spectrum name="reflectance" value="0"/></bsdf></bsdf></shape>)";
 }
 
 Complex slit(double a, double b) {
@@ -84,7 +95,7 @@ Complex slit(double a, double b) {
 
 /// Compares the rows and columns of a picture with the mean of `intensity(x, y)` over each cell.
 void compare(const char* name, const Bench& bench, const std::function<double(double, double)>& intensity,
-             double most_db) {
+             double most_db, double most_of_sum = 0.005) {
   const Picture p = bench.picture();
   if (kSanitized) return;
   double worst = 0, sum = 0, expected_sum = 0, brightest = 0;
@@ -110,7 +121,7 @@ void compare(const char* name, const Bench& bench, const std::function<double(do
   std::printf("%-24s largest error of a cell %.3f dB, of the sum %+.3f %%\n", name, worst,
               100 * (sum / expected_sum - 1));
   EXPECT_LT(worst, most_db) << name;
-  EXPECT_NEAR(sum / expected_sum, 1, 0.005) << name;
+  EXPECT_NEAR(sum / expected_sum, 1, most_of_sum) << name;
 }
 
 TEST(SegmentDiffraction, SlitsAndStripsHaveFresnelsFringes) {
@@ -323,6 +334,238 @@ TEST(SegmentDiffraction, BarsHaveTwoEdgesOnEachSide) {
     }
     std::printf("bar of 2 mm, %g mm thick: largest error %.3f dB\n", 2e3 * s, worst);
     EXPECT_LT(worst, 0.2) << s;
+  }
+}
+
+// Edges across each other at any distance: light is the product of what both pass.
+TEST(SegmentDiffraction, OutlinesThatCross) {
+  const double h = 0.25e-3;
+  // Fresnel's parameter of the point x of a plane at the height z.
+  const auto v = [](double x, double z, double screen) {
+    return (x - screen * (1 - z) / 2) * std::sqrt(2 * 2 / (kWavelength * (1 - z) * (1 + z)));
+  };
+  for (const double z : {3e-6, 1e-3, 0.1}) {
+    const auto field = [&](double at, double screen) { return slit(v(-h, at, screen), v(h, at, screen)); };
+    const Bench slits{
+        1,
+        3e-3,
+        24,
+        24,
+        sheet(-1, -h, -1, 1, 0) + sheet(h, 1, -1, 1, 0) + sheet(-1, 1, -1, -h, z) + sheet(-1, 1, h, 1, z),
+        8};
+    compare(
+        fmt::format("slits {} m apart", z).c_str(), slits,
+        [&](double x, double y) { return std::norm(field(0, x) * field(z, y)); }, 0.2);
+    const Bench corner{1, 3e-3, 24, 24, sheet(-1, 0, -1, 1, 0) + sheet(-1, 1, -1, 0, z), 4};
+    compare(
+        fmt::format("half planes {} m apart", z).c_str(), corner,
+        [&](double x, double y) {
+          return optics::knife_edge_intensity(-v(0, 0, x)) * optics::knife_edge_intensity(-v(0, z, y));
+        },
+        0.2);
+  }
+}
+
+// Square openings in two sheets one behind the other, so thin against the Fresnel zone that they are one opening, and apart.
+TEST(SegmentDiffraction, OpeningsOneBehindTheOther) {
+  const double h = 0.25e-3;
+  for (const auto& [apart, most_db] : {std::pair(1e-4, 0.25), {1e-3, 0.35}, {1e-2, 0.8}}) {
+    std::string sheets;
+    for (const double z : {apart / 2, -apart / 2})
+      sheets +=
+          sheet(-1, -h, -1, 1, z) + sheet(h, 1, -1, 1, z) + sheet(-h, h, -1, -h, z) + sheet(-h, h, h, 1, z);
+    // One direction at a time: the field behind the first slit in the plane of the second, integrated over it.
+    constexpr int kTable = 400;
+    std::vector<Complex> table;
+    for (int i = 0; i <= kTable; ++i) {
+      const double x = 1.6e-3 * i / kTable, r1 = 1 - apart / 2, r2 = r1;
+      const double across = std::sqrt(2 / kWavelength * (1 / (r1 + apart) + 1 / r2));
+      const double first = std::sqrt(2 / kWavelength * (1 / r1 + 1 / apart));
+      const double axis = x * (r1 + apart) / 2;
+      constexpr int kSteps = 1500;
+      Complex sum = 0;
+      for (int k = 0; k < kSteps; ++k) {
+        const double q = h * (2 * (k + 0.5) / kSteps - 1), t = (q - axis) * across;
+        const double seen = q * r1 / (r1 + apart);
+        sum += std::polar(2 * h / kSteps * across, M_PI / 2 * t * t) *
+               slit((-h - seen) * first, (h - seen) * first);
+      }
+      table.push_back(Complex(0.5, -0.5) * sum);
+    }
+    const auto field = [&](double x) {
+      const double at = std::abs(x) / 1.6e-3 * kTable;
+      const auto i = std::size_t(at);
+      return table[i] + (table[i + 1] - table[i]) * (at - double(i));
+    };
+    const Bench bench{1, 1.5e-3, 12, 12, sheets, 8};
+    compare(
+        fmt::format("openings {} m apart", apart).c_str(), bench,
+        [&](double x, double y) { return std::norm(field(x) * field(y)); }, most_db, 0.03);
+  }
+}
+
+// Two discs with a common axis, and a coin, whose rims are one behind the other. The intensities at 0, 0.05, ... 0.85 mm from
+// the axis are those of tests/render/references/two_discs.py.
+TEST(SegmentDiffraction, DiscsOneBehindTheOther) {
+  const double radius = 0.3e-3;
+  const struct {
+    double apart, most_db;
+    double intensity[18];
+  } kRows[] = {{3e-4,
+                0.12,
+                {0.99014, 0.97554, 0.93275, 0.86487, 0.77735, 0.67817, 0.57798, 0.48967, 0.42738, 0.40463,
+                 0.43162, 0.51211, 0.64061, 0.80109, 0.96838, 1.113, 1.2088, 1.2422}},
+               {0.01,
+                0.35,
+                {0.94411, 0.92938, 0.8863, 0.81834, 0.73145, 0.63425, 0.53792, 0.45573, 0.40174, 0.38887,
+                 0.42606, 0.51532, 0.64931, 0.8106, 0.9738, 1.1109, 1.199, 1.2284}},
+               {0.1,
+                1.3,
+                {0.83493, 0.81831, 0.77016, 0.69567, 0.60345, 0.50539, 0.41598, 0.351, 0.32527, 0.34962,
+                 0.42767, 0.5531, 0.70903, 0.87041, 1.0101, 1.1072, 1.155, 1.164}}};
+  const test::TemporaryFolder folder;
+  // A prism of 96 sides that has the area of the disc, from z = -thickness to 0.
+  const auto coin = [&](double thickness) {
+    constexpr int kSides = 96;
+    const double r = radius * std::sqrt(2 * M_PI / kSides / std::sin(2 * M_PI / kSides));
+    std::string vertices = fmt::format("v 0 0 0\nv 0 0 {}\n", -thickness), faces;
+    for (int i = 0; i < kSides; ++i) {
+      const double x = r * std::cos(2 * M_PI * i / kSides), y = r * std::sin(2 * M_PI * i / kSides);
+      vertices += fmt::format("v {0} {1} 0\nv {0} {1} {2}\n", x, y, -thickness);
+      const int a = 3 + 2 * i, b = 3 + 2 * ((i + 1) % kSides);
+      faces += fmt::format("f 1 {0} {1}\nf 2 {3} {2}\nf {0} {2} {3}\nf {0} {3} {1}\n", a, b, a + 1, b + 1);
+    }
+    return black_mesh(folder.path / fmt::format("coin{}.obj", thickness), vertices + faces);
+  };
+  const auto discs = [&](double apart) {
+    std::string shapes;
+    for (const double z : {0.0, -apart})
+      shapes += fmt::format(
+          R"(<shape type="disk"><transform name="to_world"><scale value="{}"/><translate z="{}"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
+          radius, z);
+    return shapes;
+  };
+  const auto picture = [](const std::string& shapes) {
+    return render(screen("path", 1, 0.6e-3, 12, 1, 2) + kFromInfinity + shapes).mean;
+  };
+  const double free = picture("")[0];
+  for (const auto& [apart, most_db, intensity] : kRows)
+    for (const std::string& shapes : {discs(apart), coin(apart)}) {
+      const std::vector<double> measured = picture(shapes);
+      if (kSanitized) continue;
+      double worst = 0;
+      for (int i = 0; i < 12; ++i) {
+        double mean = 0;
+        constexpr int kSub = 8;
+        for (int k = 0; k < kSub * kSub; ++k) {
+          const double x = 1e-4 * (i - 6 + (k % kSub + 0.5) / kSub),
+                       y = 1e-4 * ((k / kSub + 0.5) / kSub - 0.5);
+          const double at = std::hypot(x, y) / 0.05e-3;
+          mean += std::lerp(intensity[int(at)], intensity[int(at) + 1], at - int(at)) / (kSub * kSub);
+        }
+        worst = std::max(worst, std::abs(10 * std::log10(measured[std::size_t(i)] / free / mean)));
+      }
+      std::printf("%s, rims %g m apart: largest error %.2f dB\n", shapes == discs(apart) ? "discs" : "coin",
+                  apart, worst);
+      EXPECT_LT(worst, most_db) << apart;
+    }
+}
+
+// A square opening of 0.2 mm in a tilted sheet, against Kirchhoff's integral over it.
+TEST(SegmentDiffraction, OpeningsInTiltedSheets) {
+  const double h = 1e-4;
+  const test::TemporaryFolder folder;
+  const Bench flat{1, 4e-3, 12, 12, "", 4};
+  for (const double tilt : {0.0, 60.0, 75.0}) {
+    const double c = std::cos(tilt * M_PI / 180), s = std::sin(tilt * M_PI / 180);
+    std::string text;
+    for (const double y : {-0.6, -h, h, 0.6})
+      for (const double x : {-0.6, -h, h, 0.6}) text += fmt::format("v {} {} {}\n", x * c, y, x * s);
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i)
+        if (const int k = 4 * j + i + 1; i != 1 || j != 1)
+          text += fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", k, k + 1, k + 5, k + 4);
+    Bench bench = flat;
+    bench.sheets = black_mesh(folder.path / fmt::format("tilted{}.obj", tilt), text);
+    compare(
+        fmt::format("opening tilted by {} degrees", tilt).c_str(), bench,
+        [&](double x, double y) {
+          // In Fresnel's approximation, but for the depth of the opening, which is exact.
+          constexpr int kNodes = 30;
+          const double d = std::hypot(x, y, 2.0);
+          Complex sum = 0;
+          for (int i = 0; i < kNodes; ++i)
+            for (int j = 0; j < kNodes; ++j) {
+              const double u = h * (2 * (i + 0.5) / kNodes - 1), q = h * (2 * (j + 0.5) / kNodes - 1);
+              const double px = u * c, pz = u * s;
+              const double detour = std::hypot(px, q, pz - 1) + std::hypot(px - x, q - y, pz + 1) - d;
+              sum += std::polar(1.0, 2 * M_PI / kWavelength * detour);
+            }
+          const double area = 4 * h * h * c / (kNodes * kNodes);
+          return std::norm(sum * area * 2.0 / kWavelength);
+        },
+        0.35, 0.01);
+  }
+}
+
+// Long edges and large angles, 3 GHz. A receiver on its own in a power map of 1 mm.
+TEST(SegmentDiffraction, LargeAngles) {
+  const test::TemporaryFolder folder;
+  const auto loss = [&](const std::string& shape, double lamp_x, double lamp_z, double x, double z) {
+    const auto radiance = [&](const std::string& shapes) {
+      return render(
+                 fmt::format(
+                     R"(<integrator type="path"><integer name="max_depth" value="1"/><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/></integrator>
+  <sensor type="powermap"><transform name="to_world"><scale x="1e-3" y="1e-3"/><translate x="{}" z="{}"/></transform>
+    <string name="measure" value="fluence"/>
+    <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
+      <string name="wavelength_min" value="3.0001GHz"/><string name="wavelength_max" value="2.9999GHz"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/><rfilter type="box"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="1"/></sampler></sensor>
+  <emitter type="point"><point name="position" x="{}" y="0" z="{}"/><spectrum name="intensity" value="1"/></emitter>)",
+                     x, z, lamp_x, lamp_z) +
+                 shapes)
+          .mean[0];
+    };
+    return 10 * std::log10(radiance(shape) / radiance(""));
+  };
+  // A wall x = 0 below z = 0, `half` to both sides, in `pieces` rectangles.
+  const auto wall = [&](double half, int pieces) {
+    std::string text;
+    for (int i = 0; i <= pieces; ++i) {
+      const double y = half * (2.0 * i / pieces - 1);
+      text += fmt::format("v 0 {0} -500\nv 0 {0} 0\n", y);
+    }
+    for (int i = 0; i < pieces; ++i)
+      text += fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2);
+    return black_mesh(folder.path / fmt::format("wall{}.obj", pieces), text);
+  };
+  // 300 m before the edge, 3 m behind it at 60 degrees: K = lambda/(16 pi^2 sin^2(theta/2)) of an endless edge.
+  const double wavelength = 299792458 / 3e9, angle = M_PI / 3;
+  const double x = 3 * std::cos(angle), z = -3 * std::sin(angle);
+  const double expected = 10 * std::log10(wavelength / std::pow(4 * M_PI * std::sin(angle / 2), 2) *
+                                          (std::pow(300 + x, 2) + z * z) / (300.0 * 3 * 303));
+  for (const int pieces : {1, 4, 64}) {
+    const double measured = loss(wall(300, pieces), -300, 0, x, z);
+    std::printf("edge of 600 m in %d pieces, at 60 degrees: %.2f dB (%.2f)\n", pieces, measured, expected);
+    if (!kSanitized) EXPECT_NEAR(measured, expected, 0.3) << pieces;
+  }
+  // Behind a block 20 m thick and 15 m high, 1.5 m above the ground, the lamp lower and higher than its top. No steps, and at
+  // small angles the two edges of Fresnel's approximation.
+  const std::string block =
+      R"(<shape type="cube"><transform name="to_world"><scale x="10" y="2000" z="207.5"/><translate z="-192.5"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)";
+  for (const double height : {5.0, 20.0, 60.0}) {
+    double before = 0;
+    for (double at = 12; at < 60; at += 3) {
+      const double measured = loss(block, -300, height, at, 1.5);
+      if (!kSanitized && at > 12) EXPECT_NEAR(measured, before, 1.8) << height << " " << at;
+      if (!kSanitized && at > 12) EXPECT_GT(measured, before) << height << " " << at;
+      before = measured;
+    }
+    std::printf("behind a block, lamp at %g m: %.2f dB at 57 m\n", height, before);
   }
 }
 
