@@ -71,11 +71,12 @@ public:
     return std::max(length(cylinder_.place.axis(0)), length(cylinder_.place.axis(1)));
   }
   bool is_curved() const override { return true; }
+  bool has_rims() const override { return true; }
   double edge_count(int pieces) const override { return 3.0 * pieces; }
   OutlineMesh outline_mesh(int pieces) const override {
     OutlineMesh mesh;
     const auto n = std::uint32_t(pieces);
-    for (const Double3& corner : polygon_around_circle(pieces))
+    for (const Double3& corner : polygon_around_circle(pieces, cylinder_.place))
       for (const double z : {0.0, 1.0}) mesh.add(cylinder_.place.point({corner.x, corner.y, z}));
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % n);

@@ -76,11 +76,13 @@ public:
     return std::max(length(disc_.place.axis(0)), length(disc_.place.axis(1)));
   }
   bool is_curved() const override { return false; }
+  bool has_rims() const override { return true; }
   double edge_count(int pieces) const override { return pieces; }
   OutlineMesh outline_mesh(int pieces) const override {
     OutlineMesh mesh;
     const auto n = std::uint32_t(pieces), middle = mesh.add(disc_.place.origin());
-    for (const Double3& corner : polygon_around_circle(pieces)) mesh.add(disc_.place.point(corner));
+    for (const Double3& corner : polygon_around_circle(pieces, disc_.place))
+      mesh.add(disc_.place.point(corner));
     for (std::uint32_t i = 0; i < n; ++i) mesh.triangles.push_back({middle, 1 + i, 1 + (i + 1) % n});
     return mesh;
   }

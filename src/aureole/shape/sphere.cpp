@@ -53,6 +53,7 @@ public:
 
   double round_radius() const override { return ball_.radius; }
   bool is_curved() const override { return true; }
+  std::optional<Double3> ball_center() const override { return ball_.center; }
   bool is_hollow() const override { return inward_; }
   double edge_count(int pieces) const override { return 0.75 * pieces * pieces; }
   OutlineMesh outline_mesh(int pieces) const override;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <deque>
 #include <vector>
 
 #include "aureole/optics/faddeeva.h"
@@ -59,7 +60,7 @@ public:
   /// Returns |u/u0|^2 at each wavelength.
   Spectrum factor() {
     std::vector<EdgeBeside>& beside = beside_edges();
-    edges_.visit(segment_, longest_, [&](const EdgePassage& passage) {
+    edges_.visit(segment_, longest_, rims_, [&](const EdgePassage& passage) {
       // An edge that is no outline for light that turns at it alone may be one for light that also turns at another edge.
       EdgeBeside edge{passage, {}, true};
       const Double3 &in = passage.in, &out = passage.out;
@@ -276,6 +277,7 @@ private:
   bool any_ = false;
   const EdgeScreens* screens_ = nullptr;
   std::vector<double> cuts_;
+  std::deque<MeshEdge> rims_;  ///< of balls
 };
 
 /// Returns the factor; `begin` and `end` are the ends off their surfaces, `end` a direction where it is at infinity.

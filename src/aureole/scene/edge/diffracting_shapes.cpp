@@ -58,8 +58,8 @@ const Bsdf* first_diffracting_bsdf(const SceneParts& parts) {
   return found;
 }
 
-DiffractingShapes::DiffractingShapes(const SceneParts& parts, SeenThrough seen_through)
-    : seen_through_(seen_through) {
+DiffractingShapes::DiffractingShapes(const SceneParts& parts, SeenThrough seen_through, Balls balls)
+    : seen_through_(seen_through), balls_(balls) {
   const SpectralGrid& grid = parts.context->grid;
   middle_ = Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
   const double shortest_m = parts.context->grid.min_nm * 1e-9;
@@ -107,24 +107,55 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
   }
   const auto* round = dynamic_cast<const RoundShape*>(&shape);
   if (!round || shines || round->is_hollow()) return;
-  double magnified = 1;
+  double magnified = 1, reduced = 1;
   if (instance) {
-    magnified = 0;
+    magnified = 0, reduced = kInfinity;
     const Vec3 origin = instance->point_to_world({0, 0, 0});
-    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
-      magnified = std::max(magnified, double(length(instance->point_to_world(axis) - origin)));
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+      const double by = double(length(instance->point_to_world(axis) - origin));
+      magnified = std::max(magnified, by), reduced = std::min(reduced, by);
+    }
+  }
+  constexpr double kStretched = 1e-4;
+  const auto center = round->ball_center();
+  if (balls_ == Balls::apart && center && reduced > (1 - kStretched) * magnified) {
+    const double radius = magnified * round->round_radius();
+    const double turn = turn_without_creeping(wave_number_, radius);
+    const Vec3 at = center->to_float();
+    balls.push_back({instance ? Double3(instance->point_to_world(at)) : *center, radius,
+                     0.5 * radius * turn * turn, wanted_pieces(radius, false)});
+    return;
   }
   rounds_.push_back({&shape, instance, factor, magnified * round->round_radius()});
 }
 
+int DiffractingShapes::wanted_pieces(double radius, bool is_curved) const {
+  // A curved outline is twice as fine as the angle that light turns about it; a flat rim leaves its circle by a tenth of the
+  // wavelength.
+  const double angle = is_curved ? 0.5 * turn_without_creeping(wave_number_, radius)
+                                 : std::sqrt(0.8 * 2 * std::numbers::pi / (wave_number_ * radius));
+  return int(
+      std::clamp(4 * std::ceil(0.5 * std::numbers::pi / angle), double(kLeastPieces), double(kMostPieces)));
+}
+
 void DiffractingShapes::add_round_shapes() {
-  // A curved outline is twice as fine as the angle that light turns about it; a flat rim leaves its circle by a tenth of the wavelength.
+  const auto wanted_alone = [&](const Round& r) {
+    return wanted_pieces(r.radius, dynamic_cast<const RoundShape&>(*r.shape).is_curved());
+  };
+  // A disc that closes a cylinder has its corners, so that both have one rim.
+  std::vector<std::pair<double, int>> rims;
+  for (const Round& r : rounds_)
+    if (dynamic_cast<const RoundShape&>(*r.shape).has_rims()) rims.push_back({r.radius, wanted_alone(r)});
+  std::sort(rims.begin(), rims.end());
+  rims.erase(std::unique(rims.begin(), rims.end()), rims.end());
   const auto wanted = [&](const Round& r) {
-    const bool curved = dynamic_cast<const RoundShape&>(*r.shape).is_curved();
-    const double angle = curved ? 0.5 * turn_without_creeping(wave_number_, r.radius)
-                                : std::sqrt(0.8 * 2 * std::numbers::pi / (wave_number_ * r.radius));
-    return int(
-        std::clamp(4 * std::ceil(0.5 * std::numbers::pi / angle), double(kLeastPieces), double(kMostPieces)));
+    int most = wanted_alone(r);
+    if (!dynamic_cast<const RoundShape&>(*r.shape).has_rims()) return most;
+    constexpr double kEqual = 1e-5;
+    for (auto rim = std::lower_bound(rims.begin(), rims.end(), std::pair(r.radius * (1 - kEqual), 0));
+         rim != rims.end() && rim->first <= r.radius * (1 + kEqual); ++rim)
+      most = std::max(most, rim->second);
+    return most;
   };
   const auto count = [&](double share) {
     double sum = 0;

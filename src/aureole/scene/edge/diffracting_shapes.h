@@ -10,6 +10,7 @@
 #include "aureole/scene/edge/beam_width.h"
 #include "aureole/scene/edge/mesh_edges.h"
 #include "aureole/scene/scene_parts.h"
+#include "aureole/shape/geometry/double3.h"
 
 namespace aureole {
 
@@ -29,13 +30,24 @@ public:
   /// `seen_through`: whether shapes count that light passes straight through in part, such as masks and panes. Those that
   /// pass less than a hundredth of it always do.
   enum class SeenThrough { counts, left_out };
-  explicit DiffractingShapes(const SceneParts& parts, SeenThrough seen_through = SeenThrough::counts);
+  /// Whether balls are polyhedra or stay balls.
+  enum class Balls { as_polyhedra, apart };
+  explicit DiffractingShapes(const SceneParts& parts, SeenThrough seen_through = SeenThrough::counts,
+                             Balls balls = Balls::as_polyhedra);
 
   std::vector<TriangleSet> sets;
   std::vector<float> scale;  ///< of each set: factor of the light
   /// Of each set: how high above an edge light passes. A round surface bends away behind its outline; so far as its depth there is less
   /// than that, it is as good as a flat screen.
   std::vector<float> lift;
+  /// A ball in the world.
+  struct BallInWorld {
+    Double3 center;
+    double radius;
+    double lift;  ///< as above
+    int pieces;   ///< sides of a polygon around it that is as good as a circle
+  };
+  std::vector<BallInWorld> balls;
   std::vector<std::string> remarks;
 
   /// The width of beams, with what BSDFs say about it. Throws Error where they disagree.
@@ -49,9 +61,12 @@ private:
                      const Instance* instance, float scale, float lift);
 
   bool passes_light(const Bsdf& bsdf) const;
+  /// The number of sides of a polygon with that radius, whose surface bends away behind its outline or not.
+  int wanted_pieces(double radius, bool is_curved) const;
 
   double wave_number_;  ///< of the shortest wavelength, per unit of length
   SeenThrough seen_through_;
+  Balls balls_;
   Wavelengths middle_;  ///< in the middle of the film's range
   std::size_t left_out_ = 0;
   bool only_marked_ = false;

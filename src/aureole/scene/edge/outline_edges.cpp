@@ -165,7 +165,8 @@ std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float 
 }  // namespace
 
 OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->length_unit_m) {
-  const DiffractingShapes shapes(parts, DiffractingShapes::SeenThrough::left_out);
+  const DiffractingShapes shapes(parts, DiffractingShapes::SeenThrough::left_out,
+                                 DiffractingShapes::Balls::apart);
   welded_ = float(parts.context->grid.min_nm * nm_ / 40);
   const auto positions = welded_positions(shapes.sets, welded_);
   std::vector<TriangleSet> sets;
@@ -181,6 +182,18 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
     box_.extend(edge.a), box_.extend(edge.b);
   }
   tree_ = BeamTree(boxes);
+  boxes.clear();
+  balls_ = shapes.balls;
+  for (const auto& ball : balls_) {
+    lift_.push_back(float(ball.lift));
+    // Each is a sheet of its own, after those of triangles.
+    sheet_.push_back(std::uint32_t(sheet_.size() + sets.size()));
+    const Vec3 center = ball.center.to_float(), r = Vec3{1, 1, 1} * float(1.01 * ball.radius);
+    Bounds3& box = boxes.emplace_back();
+    box.extend(center - r), box.extend(center + r);
+    box_.extend(box.lower), box_.extend(box.upper);
+  }
+  if (!balls_.empty()) ball_tree_ = BeamTree(boxes);
   constexpr std::size_t kMany = 4096;
   if (edges_.size() > kMany) {
     window_ = 15;
@@ -189,7 +202,7 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
         " edges, so that an edge counts up to the Fresnel parameter 15 only, where it sends 36 dB less "
         "than the unobstructed light");
   }
-  if (edges_.empty()) notes_.push_back(kNoDiffractingEdges);
+  if (edges_.empty() && balls_.empty()) notes_.push_back(kNoDiffractingEdges);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float s) { return s != 1; }))
     notes_.push_back(
         "\"scale\" of \"freespacediffraction\" has no effect with the diffraction model \"segments\"");
@@ -216,6 +229,41 @@ Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
   }
   return {s.from.to_float(), s.d.to_float(), float(std::sqrt(radius2)), float(-detour / 2),
           float(length + detour / 2)};
+}
+
+bool OutlineEdges::has_rim_within(std::uint32_t i, const EdgeSegment& segment, double detour) const {
+  const auto& ball = balls_[i];
+  const Double3 p = ball.center - segment.from;
+  const double depth = dot(p, segment.d), off = length(p - segment.d * depth);
+  if (!(depth > 0) || !(depth < segment.length)) return false;
+  // A point of the surface is an end of the segment and no obstacle.
+  const double near = ball.radius * (1 + 1e-4);
+  if (length(p) < near || (!segment.is_infinite() && length(p - segment.d * segment.length) < near))
+    return false;
+  const double sum = 1 / depth + (segment.is_infinite() ? 0 : 1 / (segment.length - depth));
+  const double least = off - ball.radius;
+  return least * least * sum < 4 * detour;
+}
+
+void OutlineEdges::add_rim(std::uint32_t i, const EdgeSegment& segment, double detour,
+                           std::deque<MeshEdge>& rims) const {
+  if (!has_rim_within(i, segment, detour)) return;
+  const auto& ball = balls_[i];
+  Double3 x, y;
+  make_basis(segment.d, x, y);
+  const double step = 2 * std::numbers::pi / ball.pieces, r = ball.radius / std::cos(0.5 * step);
+  MeshEdge edge{};
+  edge.n0 = segment.d.to_float();
+  edge.face0.set = edge.face1.set = std::uint32_t(lift_.size() - balls_.size() + i);
+  edge.is_boundary = true;
+  const auto corner = [&](int k) {
+    return (ball.center + x * (r * std::cos(k * step)) + y * (r * std::sin(k * step))).to_float();
+  };
+  for (int k = 0; k < ball.pieces; ++k) {
+    edge.a = k > 0 ? rims.back().b : corner(0);
+    edge.b = corner((k + 1) % ball.pieces);
+    rims.push_back(edge);
+  }
 }
 
 bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +16,7 @@
 
 #include "aureole/scene/edge/beam_tree.h"
 #include "aureole/scene/edge/detour_line.h"
+#include "aureole/scene/edge/diffracting_shapes.h"
 #include "aureole/scene/edge/mesh_edges.h"
 #include "aureole/scene/scene_parts.h"
 #include "aureole/shape/geometry/double3.h"
@@ -91,23 +93,30 @@ public:
   const std::vector<std::string>& notes() const { return notes_; }
 
   /// Calls visit(passage) for the edges by way of which a detour lies within the window of the longest wavelength (in units
-  /// of the scene).
+  /// of the scene). `rims` receives the edges of balls, whose outline depends on the segment; passages refer to them.
   template <class Visit>
-  void visit(const EdgeSegment& segment, double wavelength, const Visit& visit) const {
+  void visit(const EdgeSegment& segment, double wavelength, std::deque<MeshEdge>& rims,
+             const Visit& visit) const {
     const double detour = detour_of(window_ * 4 / 3, wavelength);
-    tree_.visit(beam_of(segment, detour), [&](std::uint32_t i) {
+    const Beam beam = beam_of(segment, detour);
+    const auto visit_edge = [&](const MeshEdge& edge) {
       EdgePassage passage;
-      if (find_passage(edges_[i], segment, detour, passage)) visit(passage);
-    });
+      if (find_passage(edge, segment, detour, passage)) visit(passage);
+    };
+    tree_.visit(beam, [&](std::uint32_t i) { visit_edge(edges_[i]); });
+    if (balls_.empty()) return;
+    ball_tree_.visit(beam, [&](std::uint32_t i) { add_rim(i, segment, detour, rims); });
+    for (const MeshEdge& edge : rims) visit_edge(edge);
   }
 
   /// Whether there is an edge with |v| of at most `v`, or within the window if that is less.
   bool passes_within(double v, const EdgeSegment& segment, double wavelength) const {
     const double detour = detour_of(std::min(v, window_ * 4 / 3), wavelength);
     EdgePassage passage;
-    return !tree_.visit_while(beam_of(segment, detour), [&](std::uint32_t i) {
-      return !find_passage(edges_[i], segment, detour, passage);
-    });
+    const Beam beam = beam_of(segment, detour);
+    const auto is_far = [&](std::uint32_t i) { return !find_passage(edges_[i], segment, detour, passage); };
+    const auto is_far_from_ball = [&](std::uint32_t i) { return !has_rim_within(i, segment, detour); };
+    return !tree_.visit_while(beam, is_far) || !ball_tree_.visit_while(beam, is_far_from_ball);
   }
 
   /// Whether both edges bound one flat sheet, so that neither hides a part of the other.
@@ -162,6 +171,11 @@ private:
     return 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
   }
   Beam beam_of(const EdgeSegment& segment, double detour) const;
+  /// Whether a ball's outline may lie within a detour; not where an end of the segment lies on it.
+  bool has_rim_within(std::uint32_t ball, const EdgeSegment& segment, double detour) const;
+  /// Adds the outline of a ball for light along the segment: a polygon around the circle across it.
+  void add_rim(std::uint32_t ball, const EdgeSegment& segment, double detour,
+               std::deque<MeshEdge>& rims) const;
   bool find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour, EdgePassage& out) const;
 
   std::vector<MeshEdge> edges_;
@@ -169,6 +183,8 @@ private:
   std::vector<float> lift_;           ///< of each set of triangles, see DiffractingShapes
   std::vector<std::uint32_t> sheet_;  ///< of each set of triangles: equal for sets in one plane
   BeamTree tree_;
+  std::vector<DiffractingShapes::BallInWorld> balls_;  ///< their sets follow those of triangles
+  BeamTree ball_tree_;
   Bounds3 box_;
   double nm_;
   double window_ = 60;  ///< |v| up to which contributions count fully; they fade out up to 4/3 of it

@@ -3,11 +3,15 @@
 // diffract light.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <optional>
 #include <vector>
 
 #include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/geometry/shape_placement.h"
 #include "aureole/shape/mesh/mesh_patches.h"
 
 namespace aureole {
@@ -31,6 +35,10 @@ public:
   virtual double round_radius() const = 0;
   /// Whether the surface curves away behind its outline; false for a flat disc.
   virtual bool is_curved() const = 0;
+  /// The centre of a ball in local coordinates; empty for other shapes.
+  virtual std::optional<Double3> ball_center() const { return std::nullopt; }
+  /// Whether it ends at circles: a disc or a cylinder.
+  virtual bool has_rims() const { return false; }
   /// Whether it is visible from inside, as the walls of a room.
   virtual bool is_hollow() const { return false; }
   /// Returns triangles with `pieces` sides around the shape. Their edges lie on the shape or outside by at
@@ -40,11 +48,27 @@ public:
   virtual double edge_count(int pieces) const = 0;
 };
 
-/// Corners of a regular polygon circumscribed about the unit circle.
-inline std::vector<Double3> polygon_around_circle(int pieces) {
+/// Corners of a regular polygon circumscribed about the unit circle of the local xy plane. If the circle is one in the world,
+/// too, the first corner lies in a direction that depends on the circle's axis alone, so that the rim of a disc and that of
+/// a cylinder which it closes have the same corners. `pieces` is a multiple of 4.
+inline std::vector<Double3> polygon_around_circle(int pieces, const Placement& place) {
+  const Double3 &x = place.axis(0), &y = place.axis(1);
+  double begin = 0;
+  if (const double a = length(x), b = length(y);
+      std::abs(a - b) < 1e-5 * a && std::abs(dot(x, y)) < 1e-5 * a * b) {
+    const Double3 axis = cross(x, y) * (1 / (a * b));
+    const double least = std::min({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
+    Double3 across{0, 0, 1};
+    if (std::abs(axis.x) <= least + 1e-6)
+      across = {1, 0, 0};
+    else if (std::abs(axis.y) <= least + 1e-6)
+      across = {0, 1, 0};
+    begin = std::atan2(dot(across, y), dot(across, x));
+  }
   std::vector<Double3> corners;
-  const double step = 2 * 3.14159265358979323846 / pieces, r = 1 / std::cos(0.5 * step);
-  for (int i = 0; i < pieces; ++i) corners.push_back({r * std::cos(i * step), r * std::sin(i * step), 0});
+  const double step = 2 * std::numbers::pi / pieces, r = 1 / std::cos(0.5 * step);
+  for (int i = 0; i < pieces; ++i)
+    corners.push_back({r * std::cos(begin + i * step), r * std::sin(begin + i * step), 0});
   return corners;
 }
 
