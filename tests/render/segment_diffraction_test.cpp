@@ -653,6 +653,64 @@ TEST(SegmentDiffraction, LightPathsAgreeWithPathsOfTheSensor) {
   }
 }
 
+// `ptracer` takes light of a lamp at infinity as a plane wave, and not as one from the rim of the scene. 3 GHz.
+TEST(SegmentDiffraction, LightPathsFromInfinity) {
+  const auto picture = [](const std::string& integrator, int samples) {
+    return render(fmt::format(
+                      R"(<integrator type="{}"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_model" value="segments"/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><lookat origin="0, 0, -0.9" target="0, 0, -1" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="8"/><integer name="height" value="8"/><rfilter type="box"/>
+      <string name="wavelength_min" value="3.0001GHz"/><string name="wavelength_max" value="2.9999GHz"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="{}"/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="1"/><translate z="-1"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <shape type="rectangle"><transform name="to_world"><scale x="0.5"/><translate x="-0.5"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)",
+                      integrator, kSanitized ? 1 : samples) +
+                  kFromInfinity);
+  };
+  const Picture a = picture("path", 16), b = picture("ptracer", 250);
+  if (kSanitized) return;
+  for (std::size_t x = 0; x < 8; ++x) {
+    double of_path = 0, of_ptracer = 0, error2 = 0;
+    for (std::size_t y = 0; y < 8; ++y)
+      of_path += a.mean[8 * y + x], of_ptracer += b.mean[8 * y + x],
+          error2 += std::pow(b.error[8 * y + x], 2);
+    const double error = std::sqrt(error2);
+    EXPECT_LT(error, 0.1 * of_ptracer) << x;
+    EXPECT_NEAR(of_ptracer, of_path, 4.5 * error + 0.005 * of_path) << x;
+  }
+}
+
+TEST(SegmentDiffraction, NestedIntegratorsDiffract) {
+  const Bench bench{1, 3e-3, 16, 2, sheet(-1, 0, -1, 1)};
+  const auto text = [&](const std::string& begin, const std::string& end) {
+    std::string scene = screen("path", 1, 3e-3, 16, 2, 16) +
+                        R"(<emitter type="point"><spectrum name="intensity" value="1"/>
+      <point name="position" x="0" y="0" z="1"/></emitter>)" +
+                        bench.sheets;
+    scene.insert(0, begin);
+    scene.insert(scene.find("</integrator>") + 13, end);
+    return scene;
+  };
+  const Picture own = bench.picture();
+  for (const char* type : {"aov", "moment"}) {
+    std::string begin = fmt::format(R"(<integrator type="{}">)", type);
+    if (type == std::string("aov")) begin += R"(<string name="aovs" value="d:depth"/>)";
+    const Picture nested = render(text(begin, "</integrator>"));
+    for (std::size_t i = 0; i < own.mean.size(); ++i)
+      EXPECT_FLOAT_EQ(float(nested.mean[i]), float(own.mean[i])) << type;
+    try {
+      render(text(begin, R"(<integrator type="path"/></integrator>)"));
+      ADD_FAILURE() << "light of one scene in two manners";
+    } catch (const std::exception& e) {
+      EXPECT_NE(std::string(e.what()).find("diffract light in one manner"), std::string::npos) << e.what();
+    }
+  }
+}
+
 TEST(SegmentDiffraction, CutsOfTheEdgeChangeNothing) {
   std::string pieces;
   for (int i = 0; i < 100; ++i) pieces += sheet(-1, 0, -0.01 + 0.0002 * i, -0.01 + 0.0002 * (i + 1));

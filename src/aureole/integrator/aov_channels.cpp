@@ -29,6 +29,21 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::strin
   return nested;
 }
 
+SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested) {
+  SceneNeeds all;
+  for (const NestedIntegrator& n : nested) {
+    const SceneNeeds needs = n.integrator->needs();
+    if (!needs.may_diffract) continue;
+    if (all.may_diffract && !(needs.diffraction == all.diffraction))
+      throw n.integrator->properties().error(
+          "diffraction",
+          "all nested integrators diffract light in one manner: give them the same \"diffraction\", "
+          "\"diffraction_model\" and \"beam_width\"");
+    all = needs;
+  }
+  return all;
+}
+
 void require_distinct(const Properties& p, std::string_view parameter,
                       const std::vector<std::string>& channels) {
   std::set<std::string> seen;

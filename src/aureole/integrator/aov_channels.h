@@ -24,6 +24,10 @@ struct NestedIntegrator {
 std::vector<NestedIntegrator> nested_integrators(const Properties& properties,
                                                  std::string_view documented_name);
 
+/// Returns the parts of a scene that nested integrators need. Throws a located Error where one diffracts light in another
+/// manner than the others, since all follow light in one scene.
+SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested);
+
 /// Throws a located Error where two of the channels have one name.
 void require_distinct(const Properties& properties, std::string_view parameter,
                       const std::vector<std::string>& channels);

@@ -32,7 +32,7 @@ public:
   }
 
   Leaves leaves() const override { return Leaves::both; }
-  SceneNeeds needs() const override { return {diffraction_}; }
+  SceneNeeds needs() const override { return {diffraction_, true}; }
   bool shows_emitters() const override {
     return settings_.limits.reaches(1) && !settings_.limits.hide_emitters && settings_.techniques.have(1, 1);
   }

@@ -158,7 +158,7 @@ public:
   }
 
   bool shows_emitters() const override { return !limits_.hide_emitters; }
-  SceneNeeds needs() const override { return {diffraction_}; }
+  SceneNeeds needs() const override { return {diffraction_, true}; }
   Leaves leaves() const override { return leaves_splats(diffraction_) ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
 

@@ -19,6 +19,7 @@ namespace aureole {
 /// The parts of a scene that an integrator needs beside surfaces, lights and media.
 struct SceneNeeds {
   std::optional<DiffractionSettings> diffraction;  ///< how edges diffract light; empty: they do not
+  bool may_diffract = false;  ///< whether the integrator follows light that edges of the scene diffract
 };
 
 class Integrator : public Object {

@@ -32,6 +32,10 @@ public:
     require_distinct(p, "integrator", names_);
   }
 
+  SceneNeeds needs() const override { return nested_needs(nested_); }
+  void require_scene(const Scene& scene) const override {
+    for (const NestedIntegrator& n : nested_) n.integrator->require_scene(scene);
+  }
   std::vector<std::string> aov_names() const override { return names_; }
   std::vector<std::string> aov_meanings() const override { return meanings_; }
 

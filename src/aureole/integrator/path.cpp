@@ -14,7 +14,7 @@ public:
   explicit PathIntegrator(const Properties& p)
       : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::all)) {}
 
-  SceneNeeds needs() const override { return {diffraction_}; }
+  SceneNeeds needs() const override { return {diffraction_, true}; }
   Leaves leaves() const override { return leaves_splats(diffraction_) ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
   bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }

@@ -41,7 +41,7 @@ public:
   }
 
   Leaves leaves() const override { return Leaves::film; }
-  SceneNeeds needs() const override { return {diffraction_}; }
+  SceneNeeds needs() const override { return {diffraction_, true}; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
 
   bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }

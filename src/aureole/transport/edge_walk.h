@@ -53,9 +53,13 @@ public:
     if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
     if (scene_.outline_edges()) {
-      s.density.attenuate(segment_diffraction(scene_, s.segment.origin, s.segment.ray.d, length,
-                                              !s.diffraction.is_behind, walk.wavelengths(i)));
-      s.diffraction.is_behind = false;
+      // Light from infinity is taken from where it arrives.
+      const bool is_reversed = s.diffraction.begins_at_infinity;
+      const Vec3 &o = s.segment.origin, &d = s.segment.ray.d;
+      s.density.attenuate(segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
+                                              is_reversed ? kInfinity : length, !s.diffraction.is_behind,
+                                              walk.wavelengths(i)));
+      s.diffraction.is_behind = s.diffraction.begins_at_infinity = false;
       return;
     }
     const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.diffraction.end()};

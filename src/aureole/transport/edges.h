@@ -32,6 +32,8 @@ struct AfterEdge {
   bool is_next = false;  ///< the vertex before the present one is an edge
   /// For light paths with the diffraction model "segments": the ray went on behind an obstacle.
   bool is_behind = false;
+  /// Diffraction model "segments": the present segment comes from a light at infinity.
+  bool begins_at_infinity = false;
 
   /// Where the path's flight has begun.
   LightWay::End end() const { return is_set ? LightWay::End::edge : LightWay::End::vertex; }

@@ -152,7 +152,7 @@ private:
         part.length_weight = length_weight(part.passage);
       }
       part.seen_from_begin = sees(part.side, true);
-      // What one end does not see is of use only where another edge diffracts light towards it.
+      // A point that one end does not see is of use only where another edge diffracts light towards that end.
       part.seen_from_end = (part.seen_from_begin || !screens_->is_one_sheet()) && sees(part.side, false);
       parts.push_back(part);
     }

@@ -476,6 +476,7 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
   s.density.beta = L::emitted(emitted->value);
   s.density.survive(pdf);
   s.first_throughput = s.density.hero_symmetric_throughput();
+  s.diffraction.begins_at_infinity = choice->light->is_infinite();
   const RayOrigin from = RayOrigin::of(*emitted);
   s.segment.ray = from.spawn(emitted->d);
   s.segment.offset = from.offset(s.segment.ray);
