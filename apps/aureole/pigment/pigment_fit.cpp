@@ -15,6 +15,7 @@
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
 #include "messages.h"
+#include "pigment/joint_fit_report.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
@@ -24,6 +25,7 @@ struct FitOptions {
   std::string samples, white = "white", output, json, plot, plot_k, plot_s, plot_differences,
                        illuminant = "D65";
   SurfaceOptions surface;
+  JointOptions joint;
 };
 
 struct Errors {
@@ -72,7 +74,9 @@ std::string plot_of(const pigment::Palette& palette, const pigment::Observation&
 }
 
 void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp) {
-  const std::string unit = palette.relative ? ", in S of " + o.white : ", 1/m";
+  const std::string unit = palette.per_film   ? ", per film"
+                           : palette.relative ? ", in S of " + o.white
+                                              : ", 1/m";
   const auto write = [&](const std::string& file, const std::string& name, const std::string& of,
                          const auto& value) {
     if (!file.empty()) write_file_atomically(file, plot_of(palette, lamp, o.samples, name, of, value));
@@ -110,6 +114,19 @@ int fit(const FitOptions& o) {
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
     tell("note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
+  if (o.joint.joint) {
+    nlohmann::json out;
+    SurfaceOptions surface = o.surface;
+    if (ours) surface.geometry = "45_0";
+    const pigment::Palette palette =
+        fit_jointly(o.samples, table, o.joint, surface, o.white, o.illuminant, out);
+    if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
+    if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
+    write_plots(o, palette, observe(o.illuminant, palette.nm));
+    if (!o.plot_differences.empty()) tell("note: --plot-differences: is not drawn with --joint\n");
+    return 0;
+  }
+  if (!o.joint.hold_out.empty()) throw Error("--hold-out: needs --joint");
   const pigment::Fit found = fit_file(o.samples, table, settings);
   const pigment::Palette& palette = found.palette;
 
@@ -194,6 +211,7 @@ std::function<int()> declare(CommandOptions& options) {
       .required();
   options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");
+  o->joint.declare(options);
   options.add("--illuminant", o->illuminant, "illuminant of the colour differences").shows_default();
   options.add("-o,--output", o->output, "write the palette to this file, comma-separated").names_output();
   options.add("--json", o->json, "also write palette and report to this file").names_output();

@@ -12,7 +12,7 @@ namespace {
 
 /// The indices of the columns.
 struct Columns {
-  std::optional<std::size_t> sample, paints, quantity, backing, thickness, unit;
+  std::optional<std::size_t> sample, paints, quantity, backing, thickness, unit, series, specimen;
   std::vector<std::size_t> values;
   std::vector<double> nm;
 
@@ -28,7 +28,7 @@ struct Columns {
         throw TextError(
             header.line, cell.column,
             "unknown column \"" + cell.text +
-                "\"; columns are sample, paints, quantity, backing, thickness_um, unit and wavelengths in nm");
+                "\"; columns are sample, specimen, series, paints, quantity, backing, thickness_um, unit and wavelengths in nm");
       const double wavelength = number_of(header, i);
       if (!nm.empty() && !(wavelength > nm.back()))
         throw TextError(header.line, cell.column, "wavelengths must increase");
@@ -46,6 +46,8 @@ private:
            : name == "backing"      ? &backing
            : name == "thickness_um" ? &thickness
            : name == "unit"         ? &unit
+           : name == "series"       ? &series
+           : name == "specimen"     ? &specimen
                                     : nullptr;
   }
 };
@@ -60,6 +62,7 @@ Sample sample_of(const TextRow& row, const Columns& columns) {
   Sample s;
   s.line = row.line;
   s.name = text(columns.sample);
+  s.series = text(columns.series), s.specimen = text(columns.specimen);
   try {
     if (!text(columns.paints).empty()) s.paints = parse_recipe(text(columns.paints));
   } catch (const std::domain_error& e) {

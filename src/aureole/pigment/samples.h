@@ -22,6 +22,8 @@ struct Sample {
   /// number, the inner reflectance of the substrate.
   std::string backing = "opaque";
   double thickness = 0;           ///< [m]; 0: unknown
+  std::string series = {};        ///< what was made from the same batches of paint; for joint_fit.h
+  std::string specimen = {};      ///< the layer that was measured; samples of one specimen have one thickness
   std::vector<double> values;     ///< fractions, as measured, one per wavelength
   int line = 0;                   ///< line number in the file, from 1; 0: not from a text file
   std::vector<int> columns = {};  ///< column numbers of the values in that line

@@ -101,6 +101,8 @@ pigment::SampleTable sample_document(const Item& document) {
              : s.paints.size() == 1 ? s.paints[0].name
                                     : pigment::recipe_text(s.paints);
     if (item.has("backing")) s.backing = item.at("backing").text();
+    if (item.has("series")) s.series = item.at("series").text();
+    if (item.has("specimen")) s.specimen = item.at("specimen").text();
     if (item.has("thickness_um")) {
       s.thickness = 1e-6 * item.at("thickness_um").number();
       if (!(s.thickness > 0)) item.at("thickness_um").fail("must be positive");
@@ -139,25 +141,6 @@ pigment::SampleTable read_json_samples(const std::string& file) {
   }
   const Item item(file, document, "");
   return item.is_array() ? paint_mixing(item) : sample_document(item);
-}
-
-/// Calls f() and adds the location in the file to errors about the table.
-template <class F>
-auto located(const std::string& file, const pigment::SampleTable& table, F&& f) {
-  try {
-    return f();
-  } catch (const pigment::SampleError& e) {
-    const pigment::Sample& s = table.samples[e.sample()];
-    const bool has_column = e.wavelength() >= 0 && std::size_t(e.wavelength()) < s.columns.size();
-    const std::string key =
-        s.line > 0
-            ? ""
-            : "samples[" + std::to_string(e.sample()) + "]" +
-                  (e.wavelength() >= 0 ? ".values[" + std::to_string(e.wavelength()) + "]" : "") + ": ";
-    throw Error({file, s.line, has_column ? s.columns[std::size_t(e.wavelength())] : 0}, key + e.what());
-  } catch (const std::domain_error& e) {
-    throw Error({file, 0, 0}, e.what());
-  }
 }
 
 /// Detects the format by the extension, or else by the beginning of the text. CGATS has many extensions:
@@ -200,13 +183,27 @@ pigment::SampleTable read_sample_file(const std::string& file) {
       throw Error({file, e.line(), e.column()}, e.what());
     }
   }
-  located(file, table, [&] { return pigment::check(table), 0; });
+  located_in(file, table, [&] { return pigment::check(table), 0; });
   return table;
+}
+
+void rethrow_located(const std::string& file, const pigment::SampleTable& table,
+                     const std::domain_error& error) {
+  const auto* of_sample = dynamic_cast<const pigment::SampleError*>(&error);
+  if (!of_sample) throw Error({file, 0, 0}, error.what());
+  const pigment::Sample& s = table.samples[of_sample->sample()];
+  const int wavelength = of_sample->wavelength();
+  const bool has_column = wavelength >= 0 && std::size_t(wavelength) < s.columns.size();
+  const std::string key =
+      s.line > 0 ? ""
+                 : "samples[" + std::to_string(of_sample->sample()) + "]" +
+                       (wavelength >= 0 ? ".values[" + std::to_string(wavelength) + "]" : "") + ": ";
+  throw Error({file, s.line, has_column ? s.columns[std::size_t(wavelength)] : 0}, key + error.what());
 }
 
 pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
                       const pigment::FitSettings& settings) {
-  return located(file, table, [&] { return pigment::fit(table, settings); });
+  return located_in(file, table, [&] { return pigment::fit(table, settings); });
 }
 
 std::vector<pigment::Component> components_of(const pigment::Palette& palette,
@@ -219,7 +216,7 @@ std::vector<pigment::Component> components_of(const pigment::Palette& palette,
 
 json palette_json(const pigment::Palette& palette) {
   json out = {
-      {"unit", palette.relative ? "relative" : "1/m"},
+      {"unit", pigment::unit_name(palette)},
       {"surface",
        {{"seen", palette.surface.seen}, {"through", palette.surface.through}, {"k2", palette.surface.k2}}},
       {"wavelengths_nm", palette.nm},
