@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,7 @@ struct FitOptions {
                        illuminant = "D65";
   SurfaceOptions surface;
   JointOptions joint;
+  bool is_template = false;
 };
 
 struct Errors {
@@ -109,8 +111,15 @@ nlohmann::json report_json(const pigment::FitReport& r) {
 }
 
 int fit(const FitOptions& o) {
+  if (o.is_template) {
+    if (std::filesystem::exists(o.samples)) throw Error("--template: the file " + o.samples + " exists");
+    write_file_atomically(o.samples, pigment::sample_table_template());
+    fmt::print("{}: an empty table with examples\n", o.samples);
+    return 0;
+  }
   const pigment::SampleTable table = read_sample_file(o.samples);
   const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
+  for (const std::string& note : table.notes) tell("note: {}: {}\n", o.samples, note);
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
     tell("note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
@@ -212,6 +221,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");
   o->joint.declare(options);
+  options.add("--template", o->is_template, "write an empty table with examples to the file and end");
   options.add("--illuminant", o->illuminant, "illuminant of the colour differences").shows_default();
   options.add("-o,--output", o->output, "write the palette to this file, comma-separated").names_output();
   options.add("--json", o->json, "also write palette and report to this file").names_output();

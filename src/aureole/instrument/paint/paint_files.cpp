@@ -11,6 +11,7 @@
 #include "aureole/pigment/cgats_text.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/text_table.h"
 
 namespace aureole {
 namespace {
@@ -145,17 +146,16 @@ pigment::SampleTable read_json_samples(const std::string& file) {
 
 /// Detects the format by the extension, or else by the beginning of the text. CGATS has many extensions:
 /// .txt, .cgats, .ti3, .sp, .it8.
-std::string kind_of(const std::string& file) {
+std::string kind_of(const std::string& file, const std::string& text) {
   const std::string ending = pigment::lower_case(file.substr(std::min(file.rfind('.'), file.size())));
   if (ending == ".json") return "json";
   if (ending == ".cxf") return "cxf";
   if (ending == ".csv") return "csv";
   if (ending == ".cgats") return "cgats";
-  std::istringstream stream = read_table_file(file);
+  std::istringstream stream(text);
   std::string line;
   bool is_first = true;
   for (int number = 0; number < 1000 && std::getline(stream, line); ++number) {
-    if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     const auto first = line.find_first_not_of(" \t\r");
     if (first == line.npos) continue;
     if (is_first && line[first] == '<') return "cxf";
@@ -170,13 +170,14 @@ std::string kind_of(const std::string& file) {
 pigment::SampleTable read_sample_file(const std::string& file) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
-  const std::string kind = kind_of(file);
+  const std::string text = pigment::utf8_text(read_table_file(file).str());
+  const std::string kind = kind_of(file, text);
   if (kind == "json") {
     table = read_json_samples(file);
   } else if (kind == "cxf") {
     table = read_cxf_file(file);
   } else {
-    std::istringstream stream = read_table_file(file);
+    std::istringstream stream(text);
     try {
       table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream);
     } catch (const pigment::TextError& e) {
@@ -198,7 +199,8 @@ void rethrow_located(const std::string& file, const pigment::SampleTable& table,
       s.line > 0 ? ""
                  : "samples[" + std::to_string(of_sample->sample()) + "]" +
                        (wavelength >= 0 ? ".values[" + std::to_string(wavelength) + "]" : "") + ": ";
-  throw Error({file, s.line, has_column ? s.columns[std::size_t(wavelength)] : 0}, key + error.what());
+  const int line = has_column && !s.lines.empty() ? s.lines[std::size_t(wavelength)] : s.line;
+  throw Error({file, line, has_column ? s.columns[std::size_t(wavelength)] : 0}, key + error.what());
 }
 
 pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
