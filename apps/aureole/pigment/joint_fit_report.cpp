@@ -77,15 +77,6 @@ pigment::StreamsSettings streams_settings(const SurfaceOptions& o) {
   return s;
 }
 
-pigment::HoldOutGroups hold_out_groups(const pigment::SampleTable& table,
-                                       const std::vector<std::string>& names) {
-  if (names.size() == 1 && names[0] == "each") return pigment::each_mixture(table);
-  if (names.size() == 1 && !names[0].empty() && names[0].find_first_not_of("0123456789") == names[0].npos &&
-      names[0].size() < 6)
-    return pigment::in_groups(table, std::stoi(names[0]));
-  return {names};
-}
-
 /// One theory's fit, and what it predicts of specimens kept back.
 struct Candidate {
   std::string name;
@@ -298,9 +289,16 @@ pigment::Palette fit_jointly(const std::string& file, const pigment::SampleTable
     if (options.theory == "best" && free_films)
       tell("note: {}: the theory by streams has no free films; two fluxes are fitted alone\n", file);
 
+    for (const std::string& note : pigment::joint_notes(*candidates.front().fit))
+      tell("note: {}: {}\n", file, note);
+
     std::map<std::string, double> plain;
     if (keeps_back) {
-      const pigment::HoldOutGroups groups = hold_out_groups(table, options.hold_out);
+      for (const auto& [option, name] : {std::pair{"--white", white}, {"--black", options.black}})
+        if (!candidates.front().fit->palette().find(name))
+          tell("note: {}: no paint is called \"{}\" ({}); the plain fit goes without it\n", file, name,
+               option);
+      const pigment::HoldOutGroups groups = pigment::hold_out_groups(table, options.hold_out);
       for (Candidate& c : candidates) {
         c.held = pigment::hold_out(table, *c.theory, options.settings, groups, *c.fit, true, for_ranges);
         c.difference = differences(table, c.held, lamp);

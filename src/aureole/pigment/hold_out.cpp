@@ -102,6 +102,17 @@ HoldOutGroups in_groups(const SampleTable& table, int count) {
   return groups;
 }
 
+HoldOutGroups hold_out_groups(const SampleTable& table, const std::vector<std::string>& words) {
+  const std::vector<std::string> names = Specimens(table).names;
+  if (words.size() == 1 && std::find(names.begin(), names.end(), words.front()) == names.end()) {
+    const std::string& word = words.front();
+    if (word == "each") return each_mixture(table);
+    if (!word.empty() && word.size() < 6 && word.find_first_not_of("0123456789") == word.npos)
+      return in_groups(table, std::stoi(word));
+  }
+  return {words};
+}
+
 std::vector<HeldOut> hold_out(const SampleTable& table, const FilmTheory& theory,
                               const JointSettings& settings, const HoldOutGroups& groups,
                               const JointFit& full, bool with_errors, const ParallelFor& threads) {

@@ -582,6 +582,26 @@ JointFit::JointFit(const SampleTable& table, const FilmTheory& theory, const Joi
 JointFit::~JointFit() = default;
 JointFit::JointFit(JointFit&&) noexcept = default;
 
+const std::vector<std::string>& JointFit::unknown_cards() const { return system_->cards_; }
+
+std::vector<std::string> JointFit::over_equal_cards() const {
+  constexpr double kAlike = 0.05;
+  std::vector<std::string> names;
+  for (const JointSystem::Specimen& specimen : system_->specimens_) {
+    double lowest = 1, highest = 0;
+    std::set<std::string> cards;
+    for (const std::size_t r : specimen.rows) {
+      const JointSystem::Row& row = system_->rows_[r];
+      if (row.kind != JointSystem::Row::Kind::over || row.card >= 0) continue;
+      cards.insert(system_->table_.samples[row.sample].backing);
+      const double reflectance = row.substrate[row.substrate.size() / 2];
+      lowest = std::min(lowest, reflectance), highest = std::max(highest, reflectance);
+    }
+    if (cards.size() > 1 && highest - lowest < kAlike) names.push_back(specimen.name);
+  }
+  return names;
+}
+
 double JointFit::cost() const { return system_->cost_; }
 int JointFit::iterations() const { return system_->iterations_; }
 
@@ -723,6 +743,19 @@ JointPrediction JointFit::predict(const Sample& sample, bool with_error) const {
     result.error.push_back(std::sqrt(std::max(0.0, variance) + own[l]));
   }
   return result;
+}
+
+std::vector<std::string> joint_notes(const JointFit& fit) {
+  std::vector<std::string> notes;
+  for (const std::string& card : fit.unknown_cards())
+    notes.push_back("no line without paints is called \"" + card +
+                    "\": the reflectance of this card is an unknown");
+  std::string names;
+  for (const std::string& name : fit.over_equal_cards()) names += (names.empty() ? "" : ", ") + name;
+  if (!names.empty())
+    notes.push_back("the cards below " + names +
+                    " reflect nearly the same, so that they tell nothing of transmission");
+  return notes;
 }
 
 }  // namespace aureole::pigment

@@ -91,6 +91,11 @@ public:
   /// Predicts any sample of the table, at the thickness stated or the common one and the stated amounts. Throws
   /// std::domain_error for a paint that the fit has not seen.
   JointPrediction predict(const Sample& sample, bool with_error = false) const;
+  /// Names of the cards that were not measured, whose reflectance is an unknown of the fit.
+  const std::vector<std::string>& unknown_cards() const;
+  /// Names of the specimens over two or more cards that reflect nearly the same, so that they tell nothing of
+  /// transmission.
+  std::vector<std::string> over_equal_cards() const;
   double cost() const;
   int iterations() const;
 
@@ -99,6 +104,9 @@ private:
   Palette palette_;
   std::vector<std::vector<double>> ratio_error_;
 };
+
+/// Notes about the data of a fit: cards that were not measured, specimens over cards that are alike.
+std::vector<std::string> joint_notes(const JointFit& fit);
 
 /// The key of a sample's specimen: its column "specimen", or else recipe, thickness and series.
 std::string specimen_key(const Sample& sample);

@@ -179,6 +179,22 @@ struct Columns {
   }
 };
 
+/// The sum of a recipe's amounts if it is nearly but not quite 100, as of per cent that were rounded or misread.
+std::optional<double> sum_beside_100(const std::string& recipe) {
+  double sum = 0;
+  for (std::size_t at = recipe.find(':'); at != recipe.npos; at = recipe.find(':', at + 1)) {
+    const std::size_t begin = recipe.find_first_not_of(' ', at + 1), end = recipe.find('+', at);
+    if (begin == recipe.npos) return {};
+    std::string amount = recipe.substr(begin, end == recipe.npos ? recipe.npos : end - begin);
+    amount.erase(amount.find_last_not_of(" ") + 1);
+    const auto value = finite_number(amount);
+    if (!value) return {};
+    sum += *value;
+  }
+  if (std::abs(sum - 100) < 0.05 || std::abs(sum - 100) > 10) return {};
+  return sum;
+}
+
 /// One row of the table: a measurement, or several repeats.
 std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::vector<std::string>& notes,
                                bool& has_unit) {
@@ -200,6 +216,9 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   } catch (const std::domain_error& e) {
     fail(columns.paints, std::string(e.what()) + "; a recipe that would be right: red: 1 + white: 3");
   }
+  if (const auto sum = sum_beside_100(text(columns.paints)))
+    notes.push_back("line " + std::to_string(line(*columns.paints)) + ": the amounts of \"" +
+                    text(columns.paints) + "\" sum to " + number_text(*sum) + " and are taken for parts");
   if (s.name.empty()) s.name = text(columns.paints);
   const std::string quantity = upper_case(text(columns.quantity));
   if (quantity == "T")

@@ -223,6 +223,9 @@ TEST(PigmentSamples, AsLaboratoriesWriteThem) {
   EXPECT_NEAR(
       table_of("paints,backing,thickness (mm),400,500\nwhite,0.1,0.024,0.5,0.5\n").samples[0].thickness,
       24e-6, 1e-18);
+  EXPECT_TRUE(noted(table_of("paints,400,500\nred: 10.4 + white: 89.9,0.5,0.5\n"), "sum to 100.3"));
+  EXPECT_TRUE(table_of("paints,400,500\nred: 1 + white: 89,0.5,0.5\n").notes.size() == 1);
+  EXPECT_TRUE(table_of("paints,400,500\nred: 1 + white: 9,0.5,0.5\n").notes.empty());
   EXPECT_EQ(table_of("sample,specimen,series,paints,400,500\na,1,b,white,0.5,0.5\n").samples[0].series, "b");
 }
 
