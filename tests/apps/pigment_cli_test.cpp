@@ -294,7 +294,7 @@ TEST_F(PigmentCli, RealDrawdowns) {
   const bool thorough = std::getenv("AUREOLE_THOROUGH");
   ASSERT_EQ(
       run("fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --white ZincWhite --black BoneBlack --json fit.json "
-          "-o paints.csv --hold-out " +
+          "-o paints.csv --plot ks.svg --plot-k k.svg --plot-s s.svg --hold-out " +
           std::string(thorough ? "each" : "06C,13B,14B")),
       0)
       << said;
@@ -308,6 +308,14 @@ TEST_F(PigmentCli, RealDrawdowns) {
   }
   EXPECT_GE(well, 48);
   EXPECT_EQ(fit["unit"], "film");
+  // Films of vermilion hide: only K/S is known.
+  for (const auto& p : fit["pigments"])
+    if (p["name"] == "Vermillion") {
+      int hidden = 0;
+      for (const auto& h : p["fit"]["only_k_over_s_known"]) hidden += h.get<bool>();
+      EXPECT_GT(hidden, 20);
+    }
+  EXPECT_TRUE(fs::exists(folder.path / "ks.svg") && fs::exists(folder.path / "s.svg"));
   EXPECT_LT(fit["theories"]["streams"]["cost"], fit["theories"]["two fluxes"]["cost"]);
   const auto all = fit["held_out"]["all"];
   const auto streams = all["streams"];

@@ -268,9 +268,9 @@ void JointOptions::declare(CommandOptions& options) {
       .shows_default();
 }
 
-pigment::Palette fit_jointly(const std::string& file, const pigment::SampleTable& table,
-                             const JointOptions& options, const SurfaceOptions& surface,
-                             const std::string& white, const std::string& illuminant, nlohmann::json& out) {
+JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& table,
+                         const JointOptions& options, const SurfaceOptions& surface, const std::string& white,
+                         const std::string& illuminant, nlohmann::json& out) {
   const pigment::Observation lamp = observe(illuminant, table.nm);
   const bool keeps_back = !options.hold_out.empty();
   return located_in(file, table, [&] {
@@ -339,7 +339,7 @@ pigment::Palette fit_jointly(const std::string& file, const pigment::SampleTable
     print_paints(*best.fit, out);
     print_specimens(table, *best.fit, out);
     if (keeps_back) print_held_out(table, candidates, plain, white, options.black, illuminant, out);
-    return palette;
+    return JointPalette{palette, best.fit->ratio_error()};
   });
 }
 

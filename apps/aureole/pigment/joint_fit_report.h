@@ -20,9 +20,15 @@ struct JointOptions {
   void declare(CommandOptions& options);
 };
 
+/// A fitted palette, and the standard deviations of ln(K/S) by paint and wavelength.
+struct JointPalette {
+  pigment::Palette palette;
+  std::vector<std::vector<double>> ratio_error;
+};
+
 /// Fits, prints the report and adds it to `out`. Returns the palette of the better theory.
-pigment::Palette fit_jointly(const std::string& file, const pigment::SampleTable& table,
-                             const JointOptions& options, const SurfaceOptions& surface,
-                             const std::string& white, const std::string& illuminant, nlohmann::json& out);
+JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& table,
+                         const JointOptions& options, const SurfaceOptions& surface, const std::string& white,
+                         const std::string& illuminant, nlohmann::json& out);
 
 }  // namespace aureole

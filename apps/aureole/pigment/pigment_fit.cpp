@@ -53,13 +53,17 @@ std::string relative_error(const std::vector<double>& values, const std::vector<
   return fmt::format("{:.2g} %", 100 * ratios[ratios.size() / 2]);
 }
 
+/// Bands of plots end at this logarithm of a factor: 100.
+constexpr double kWidestBand = 4.6;
+
 /// Plots a quantity of every paint over the wavelength, on a logarithmic axis. `value` is computed from K and
-/// S. Lines have the paints' colours with 0.3 of their K, so that dark paints differ, and 0.8 of R, so that
-/// white is visible on the page.
+/// S. `spread`, if any, has standard deviations of the quantity's logarithm by paint, drawn as 90 % intervals.
+/// Lines have the paints' colours with 0.3 of their K, so that dark paints differ, and 0.8 of R, so that white is
+/// visible on the page.
 template <class Value>
 std::string plot_of(const pigment::Palette& palette, const pigment::Observation& lamp,
                     const std::string& file, const std::string& name, const std::string& unit,
-                    const Value& value) {
+                    const Value& value, const std::vector<std::vector<double>>& spread) {
   Plot plot{name + " of the paints of " + file, "wavelength, nm", name + unit, {}, true};
   pigment::Palette usable = palette;
   pigment::clamp_negative(usable);
@@ -69,23 +73,43 @@ std::string plot_of(const pigment::Palette& palette, const pigment::Observation&
       values.push_back(value(p.k[i], p.s[i]));
       reflectance.push_back(0.8 * (p.s[i] > 0 ? pigment::opaque_reflectance(0.3 * p.k[i] / p.s[i]) : 0));
     }
-    plot.series.push_back(
+    PlotSeries& line = plot.series.emplace_back(
         spectrum_line(palette.nm, values, p.name, screen_colour(lamp.xyz(reflectance), lamp.white())));
+    if (spread.empty()) continue;
+    constexpr double kNormal90 = 1.6449;
+    const std::vector<double>& of_paint = spread[std::size_t(&p - usable.pigments.data())];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double factor = std::exp(std::min(kNormal90 * of_paint[i], kWidestBand));
+      line.low.push_back(values[i] / factor), line.high.push_back(values[i] * factor);
+    }
   }
   return svg_plot(plot);
 }
 
-void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp) {
+/// `ratio_error` has standard deviations of ln(K/S) by paint, after a joint fit.
+void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp,
+                 const std::vector<std::vector<double>>& ratio_error = {}) {
   const std::string unit = palette.per_film   ? ", per film"
                            : palette.relative ? ", in S of " + o.white
                                               : ", 1/m";
+  std::vector<std::vector<double>> k_error, s_error;
+  for (const pigment::Pigment& p : palette.pigments) {
+    if (ratio_error.empty()) break;
+    std::vector<double>&k = k_error.emplace_back(), &s = s_error.emplace_back();
+    for (std::size_t i = 0; i < palette.nm.size(); ++i)
+      k.push_back(p.k_error[i] / p.k[i]), s.push_back(p.s_error[i] / p.s[i]);
+  }
   const auto write = [&](const std::string& file, const std::string& name, const std::string& of,
-                         const auto& value) {
-    if (!file.empty()) write_file_atomically(file, plot_of(palette, lamp, o.samples, name, of, value));
+                         const auto& value, const std::vector<std::vector<double>>& spread) {
+    if (!file.empty())
+      write_file_atomically(file, plot_of(palette, lamp, o.samples, name, of, value, spread));
   };
-  write(o.plot, "K/S", "", [](double k, double s) { return s > 0 ? k / s : 0; });
-  write(o.plot_k, "K", unit, [](double k, double) { return k; });
-  write(o.plot_s, "S", unit, [](double, double s) { return s; });
+  write(
+      o.plot, "K/S", "", [](double k, double s) { return s > 0 ? k / s : 0; }, ratio_error);
+  write(
+      o.plot_k, "K", unit, [](double k, double) { return k; }, k_error);
+  write(
+      o.plot_s, "S", unit, [](double, double s) { return s; }, s_error);
 }
 
 /// Cumulative distribution of the differences: each difference over the fraction of them that is no larger.
@@ -127,11 +151,11 @@ int fit(const FitOptions& o) {
     nlohmann::json out;
     SurfaceOptions surface = o.surface;
     if (ours) surface.geometry = "45_0";
-    const pigment::Palette palette =
+    const auto [palette, ratio_error] =
         fit_jointly(o.samples, table, o.joint, surface, o.white, o.illuminant, out);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
     if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
-    write_plots(o, palette, observe(o.illuminant, palette.nm));
+    write_plots(o, palette, observe(o.illuminant, palette.nm), ratio_error);
     if (!o.plot_differences.empty()) tell("note: --plot-differences: is not drawn with --joint\n");
     return 0;
   }
