@@ -6,10 +6,14 @@ instrument sees through the interface to air. Wavelengths are in nm. Functions o
 """
 from __future__ import annotations
 
+import contextlib
+import csv
 import math
 import os
+import tempfile
+import warnings
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -19,8 +23,8 @@ from ._arrays import complex_numbers, flag, real, scalar, text as checked_text
 from ._errors import Error
 from ._vectorised import broadcast, choice, last_axis, shaped
 
-__all__ = ["Fluxes", "Layer", "Match", "Paint", "Palette", "Surface", "TwoFluxError", "ciede2000", "coefficients",
-           "coefficients_of_transport", "fit", "fluxes_within", "grain_index", "grain_names", "k_over_s", "lab",
+__all__ = ["Fluxes", "HeldOut", "JointFit", "Layer", "Match", "Paint", "Palette", "Specimen", "Surface", "TwoFluxError", "ciede2000", "coefficients",
+           "coefficients_of_transport", "fit", "fluxes_within", "grain_index", "grain_names", "joint_fit", "k_over_s", "lab",
            "layer", "opaque_reflectance", "paint_of_grains", "saunderson", "surface", "two_flux_error"]
 
 Reals = npt.NDArray[np.float64]
@@ -437,7 +441,7 @@ class Palette:
     k_error, s_error : numpy.ndarray
         Standard errors, NaN where not known.
     relative : bool
-        K and S are relative to S of the white; else per metre.
+        K and S have no unit of length: they are relative to S of the white, or per film (`joint_fit`). Else per metre.
     surface : Surface
         What the measurements were seen through.
     """
@@ -512,13 +516,42 @@ class Palette:
                       np.array(reflectance)) for fractions, difference, differences, rms, reflectance in found]
 
 
+@contextlib.contextmanager
+def _table(file: Union[str, "os.PathLike[str]"]) -> Iterator[str]:
+    """The file's name; of a spreadsheet that of its first sheet as text."""
+    name = os.fspath(file)
+    if os.path.splitext(name)[1].lower() not in (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods"):
+        yield name
+        return
+    try:
+        import python_calamine  # type: ignore[import-not-found,import-untyped,unused-ignore]
+    except ImportError as error:
+        raise Error(f"{name}: spreadsheets need the package python-calamine; or save the sheet as text (.csv)") from error
+    rows = python_calamine.CalamineWorkbook.from_path(name).get_sheet_by_index(0).to_python()
+    with tempfile.TemporaryDirectory() as folder:
+        text = os.path.join(folder, "sheet.csv")
+        with open(text, "w", newline="", encoding="utf-8") as out:
+            csv.writer(out).writerows(
+                [int(cell) if isinstance(cell, float) and cell.is_integer() else cell for cell in row] for row in rows)
+        try:
+            yield text
+        except Error as error:
+            raise Error(str(error).replace(text, name)) from None
+
+
+def _note(file: Union[str, "os.PathLike[str]"], notes: Sequence[str]) -> None:
+    for note in notes:
+        warnings.warn(f"{os.fspath(file)}: {note}", stacklevel=3)
+
+
 def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
-    """K and S of the paints of a table of measured samples, .csv, CGATS.17, .cxf or .json (docs/pigments.md).
+    """K and S of the paints of a table of measured samples, .csv, CGATS.17, .cxf, .json or a spreadsheet (docs/pigments.md).
 
     Parameters
     ----------
     file : str or path
-        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0.
+        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Spreadsheets need the package python-calamine. What reading
+        assumed, such as per cent without a unit, is a warning.
     white : str
         The paint that tints are made with.
     surface : Surface, optional
@@ -527,4 +560,98 @@ def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: 
     name = os.fspath(file)
     if surface is None:
         surface = Surface(*_aureole.pigment_kimera_surface()) if name == "kimera" else Surface()
-    return Palette._of(_aureole.pigment_fit(name, white, (surface.seen, surface.through, surface.k2)))
+    with _table(file) as table:
+        parts, notes = _aureole.pigment_fit(table, white, (surface.seen, surface.through, surface.k2))
+    _note(file, notes)
+    return Palette._of(parts)
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """How a layer of paint agrees with a joint fit.
+
+    Attributes
+    ----------
+    name : str
+    rms : float
+        Of fitted minus measured reflectance; from 0.005 on it is an outlier.
+    weight : float
+        In the fit; below 1: down-weighted.
+    thickness, thickness_error : float
+        Fitted over stated, or over the common thickness.
+    amounts : dict
+        Fitted over stated amount of each paint of a mixture, and its standard error.
+    """
+
+    name: str
+    rms: float
+    weight: float
+    thickness: float
+    thickness_error: float
+    amounts: Dict[str, Tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """A specimen that was kept back: measured and predicted reflectance (samples, wavelengths), standard deviation, CIEDE2000 (D65)."""
+
+    specimen: str
+    samples: Tuple[str, ...]
+    measured: Reals
+    predicted: Reals
+    error: Reals
+    difference: float
+
+
+class JointFit(NamedTuple):
+    """A fit of all measurements of a table: the palette, errors of ln(K/S) (paints, wavelengths), specimens, specimens kept back."""
+
+    palette: Palette
+    ratio_error: Reals
+    specimens: List[Specimen]
+    held_out: List[HeldOut]
+
+
+def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", surface: Surface = Surface(), index: float = 1.5,
+              g: float = 0.8, geometry: str = "d8", specular: str = "excluded", noise: float = 0.01,
+              thickness_error: float = 0.15, amount_error: float = 0.1,
+              hold_out: Union[str, int, Sequence[str], None] = None) -> JointFit:
+    """K and S of all paints of a table from all measurements at once, as `aureole pigment fit --joint` (docs/pigments.md).
+
+    Parameters
+    ----------
+    file : str or path
+        As for `fit`; films over cards need no thickness.
+    theory : str
+        "two-flux", seen through `surface`, or "streams", in a binder of `index` with mean cosine `g`, by an instrument of
+        `geometry` ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"). K and S of streams are
+        2 sigma_a and 3/4 sigma_s (1 - g).
+    noise : float
+        Error of a reflectance R, beside 5 % of R.
+    thickness_error, amount_error : float
+        Relative errors of a film's thickness that is not stated, and of the amounts in mixtures.
+    hold_out : str, int or sequence of str, optional
+        Specimens to keep back together; a number of groups that are kept back in turn; or "each": every mixture.
+    """
+    choice("theory", theory, "two-flux", "streams")
+    choice("geometry", geometry, "diffuse", "d8", "45_0")
+    choice("specular", specular, "included", "excluded")
+    words = [] if hold_out is None else [str(hold_out)] if isinstance(hold_out, (str, int)) else list(hold_out)
+    with _table(file) as table:
+        parts, ratios, specimens, held, notes = _aureole.pigment_joint_fit(
+            table, (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
+            scalar("g", g, minimum=-0.95, maximum=0.95), geometry, specular, scalar("noise", noise, minimum=1e-5, maximum=0.2),
+            scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),
+            words)
+    _note(file, notes)
+    palette = Palette._of(parts)
+    predictions = []
+    for name, samples, measured, predicted, error, reason in held:
+        if reason:
+            raise Error(f"{os.fspath(file)}: {name}: {reason}")
+        seen, told = np.array(measured), np.array(predicted)
+        difference = float(ciede2000(lab(palette.nm, seen), lab(palette.nm, np.maximum(told, 0))).mean())
+        predictions.append(HeldOut(name, tuple(samples), seen, told, np.array(error), difference))
+    return JointFit(palette, np.array(ratios),
+                    [Specimen(one, rms, weight, thickness, spread, {paint: (factor, error) for paint, factor, error in amounts})
+                     for one, rms, weight, thickness, spread, amounts in specimens], predictions)

@@ -20,6 +20,7 @@
 #include "aureole/pigment/grain_index.h"
 #include "aureole/pigment/grains.h"
 #include "aureole/pigment/hiding.h"
+#include "aureole/pigment/hold_out.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/two_flux_error.h"
@@ -224,10 +225,70 @@ SurfaceNumbers saunderson(double k1, double k2, const std::string& specular) {
   });
 }
 
-PaletteParts fit(const std::string& file, const std::string& white, const SurfaceNumbers& surface) {
+using Names = std::vector<std::string>;
+
+/// The palette, and what reading the file assumed.
+std::tuple<PaletteParts, Names> fit(const std::string& file, const std::string& white,
+                                    const SurfaceNumbers& surface) {
   const Unlocked release;
   const pigment::SampleTable table = read_sample_file(file);
-  return parts_of(fit_file(file, table, {.surface = surface_of(surface), .white = white}).palette);
+  return {parts_of(fit_file(file, table, {.surface = surface_of(surface), .white = white}).palette),
+          table.notes};
+}
+
+/// Name, rms, weight, thickness and its error, and for each paint of a mixture: name, factor, error.
+using SpecimenParts = std::tuple<std::string, double, double, double, double,
+                                 std::vector<std::tuple<std::string, double, double>>>;
+/// Name, names of the samples, measured and predicted values and their errors by sample, reason of no prediction.
+using HeldOutParts = std::tuple<std::string, Names, Table, Table, Table, std::string>;
+
+/// The palette, errors of ln(K/S), specimens, specimens kept back, and what reading the file assumed. `hold_out` has
+/// names of specimens, or "each", or a number of groups.
+std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutParts>, Names> joint_fit(
+    const std::string& file, const SurfaceNumbers& surface, bool streams, double index, double g,
+    const std::string& geometry, const std::string& specular, double noise, double thickness, double amount,
+    const Names& hold_out) {
+  const Unlocked release;
+  const pigment::SampleTable table = read_sample_file(file);
+  return located_in(file, table, [&] {
+    pigment::JointSettings settings;
+    settings.noise = noise, settings.thickness = thickness, settings.dose = amount;
+    const std::unique_ptr<pigment::FilmTheory> theory =
+        streams
+            ? pigment::streams_theory({.index = index,
+                                       .g = g,
+                                       .geometry = geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
+                                                   : geometry == "45_0"  ? pigment::Geometry::angle_45_0
+                                                                         : pigment::Geometry::diffuse_8,
+                                       .specular = specular == "included" ? pigment::Specular::included
+                                                                          : pigment::Specular::excluded})
+            : pigment::two_flux_theory(surface_of(surface));
+    pigment::JointFit fit(table, *theory, settings);
+    std::vector<HeldOutParts> held;
+    if (!hold_out.empty())
+      for (const pigment::HeldOut& h : pigment::hold_out(
+               table, *theory, settings, pigment::hold_out_groups(table, hold_out), fit, true, for_ranges)) {
+        Names names;
+        Table measured, predicted, errors;
+        for (const std::size_t s : h.samples)
+          names.push_back(table.samples[s].name), measured.push_back(table.samples[s].values);
+        for (const pigment::JointPrediction& p : h.predictions)
+          predicted.push_back(p.values), errors.push_back(p.error);
+        held.emplace_back(h.specimen, names, measured, predicted, errors, h.reason);
+      }
+    fit.with_errors();
+    std::vector<SpecimenParts> specimens;
+    for (const pigment::SpecimenReport& r : fit.specimens(true)) {
+      std::vector<std::tuple<std::string, double, double>> doses;
+      for (const auto& d : r.doses) doses.emplace_back(d.paint, d.factor, d.error);
+      specimens.emplace_back(r.name, r.rms, r.weight, r.thickness, r.thickness_error, doses);
+    }
+    pigment::Palette palette = fit.palette();
+    palette.surface = surface_of(surface);
+    Names notes = table.notes;
+    for (const std::string& note : pigment::joint_notes(fit)) notes.push_back(note);
+    return std::tuple(parts_of(palette), fit.ratio_error(), specimens, held, notes);
+  });
 }
 
 /// L*, a*, b* of reflectances, a row each.
@@ -324,6 +385,8 @@ void bind_pigment(nb::module_& m) {
       arg("contrast"), arg("start"), arg("target"));
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
   m.def("pigment_fit", &fit, arg("file"), arg("white"), arg("surface"));
+  m.def("pigment_joint_fit", &joint_fit, arg("file"), arg("surface"), arg("streams"), arg("index"), arg("g"),
+        arg("geometry"), arg("specular"), arg("noise"), arg("thickness"), arg("amount"), arg("hold_out"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
   m.def(
       "pigment_palette", [](const std::string& file) { return parts_of(read_palette_file(file)); },

@@ -281,5 +281,76 @@ TEST_F(PigmentCli, WrongInputHasItsPlace) {
   fails("", "");
 }
 
+/// The 72 drawdowns of 20 oil paints of shared/data/revigo: all are fitted or named, and mixtures that are kept back
+/// are predicted better than by the plain two-constant fit. AUREOLE_THOROUGH=1 keeps back each of the 53 mixtures in
+/// turn (some 3 minutes of CPU time).
+TEST_F(PigmentCli, RealDrawdowns) {
+  const fs::path data = source_dir() / "../shared/data/revigo";
+  if (!fs::exists(data / "spectra.txt")) GTEST_SKIP() << "there is no " << data.string();
+  ASSERT_EQ(std::system(("python3 '" + (source_dir() / "tools/revigo_table.py").string() + "' '" +
+                         data.string() + "' > '" + (folder.path / "revigo.csv").string() + "'")
+                            .c_str()),
+            0);
+  const bool thorough = std::getenv("AUREOLE_THOROUGH");
+  ASSERT_EQ(
+      run("fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --white ZincWhite --black BoneBlack --json fit.json "
+          "-o paints.csv --plot ks.svg --plot-k k.svg --plot-s s.svg --hold-out " +
+          std::string(thorough ? "each" : "06C,13B,14B")),
+      0)
+      << said;
+  const auto fit = json("fit.json");
+  ASSERT_EQ(fit["specimens"].size(), 72u);
+  int well = 0;
+  for (const auto& s : fit["specimens"]) {
+    EXPECT_EQ(s["outlier"].get<bool>(), s["rms"].get<double>() > 0.005);
+    EXPECT_LT(s["rms"], 0.02) << s["specimen"];
+    well += !s["outlier"].get<bool>();
+  }
+  EXPECT_GE(well, 48);
+  EXPECT_EQ(fit["unit"], "film");
+  // Films of vermilion hide: only K/S is known.
+  for (const auto& p : fit["pigments"])
+    if (p["name"] == "Vermillion") {
+      int hidden = 0;
+      for (const auto& h : p["fit"]["only_k_over_s_known"]) hidden += h.get<bool>();
+      EXPECT_GT(hidden, 20);
+    }
+  EXPECT_TRUE(fs::exists(folder.path / "ks.svg") && fs::exists(folder.path / "s.svg"));
+  EXPECT_LT(fit["theories"]["streams"]["cost"], fit["theories"]["two fluxes"]["cost"]);
+  const auto all = fit["held_out"]["all"];
+  const auto streams = all["streams"];
+  if (thorough) {
+    std::printf("%s", said.c_str());
+    EXPECT_EQ(streams["count"], 53);
+    EXPECT_LE(streams["median_ratio"], 0.8);
+    EXPECT_GE(streams["better"], 38);  // 28 of 40
+    EXPECT_GE(fit["held_out"]["coverage"]["streams"], 0.8);
+    EXPECT_NEAR(all["plain"]["median"], 3.46, 0.1);
+  } else {
+    EXPECT_EQ(streams["count"], 3);
+    EXPECT_LT(streams["mean"], 0.9 * all["plain"]["mean"].get<double>()) << said;
+  }
+  ASSERT_EQ(run("mix paints.csv 'Vermillion: 1 + ZincWhite: 1' --thickness 1"), 0) << said;
+}
+
+TEST_F(PigmentCli, TemplateAndJointFitsRefuseWithAReason) {
+  ASSERT_EQ(run("fit new.csv --template"), 0) << said;
+  std::ifstream in(folder.path / "new.csv");
+  EXPECT_NE(std::string(std::istreambuf_iterator<char>(in), {}).find("sample,specimen,series,paints"),
+            std::string::npos);
+  fails("fit new.csv --template", "new.csv exists");
+  fails("fit new.csv", "there are no samples");
+  write("two.csv", "sample,specimen,paints,backing,400,700\na,1,white,0.1,0.8,0.8\nb,1,red,0.8,0.9,0.9\n");
+  fails("fit two.csv --joint",
+        "two.csv:3: sample \"b\": its recipe differs from that of other samples of specimen \"1\"");
+  write("one.csv", "sample,paints,backing,400,700\na,white,0.1,0.8,0.8\nb,white,0.8,0.9,0.9\n");
+  fails("fit one.csv --joint --hold-out c", "no specimen is called \"c\"; there are a");
+  fails("fit one.csv --hold-out a", "--hold-out: needs --joint");
+  write("film.csv",
+        "sample,paints,backing,quantity,400,700\na,white,none,R,0.4,0.4\nb,white,none,T,0.5,0.5\n");
+  fails("fit film.csv --joint --theory streams", "free films are not part of the theory by streams");
+  EXPECT_EQ(run("fit film.csv --joint"), 0) << said;
+}
+
 }  // namespace
 }  // namespace aureole::test

@@ -2,6 +2,8 @@
 """aureole.pigment: the closed forms that the C++ tests do not share, and a fit, a mixture and a match together."""
 from __future__ import annotations
 
+import zipfile
+
 import numpy as np
 import pytest
 
@@ -252,3 +254,82 @@ def test_grains_by_name():
     assert "rutile" in pigment.grain_names() and "titanium white" in pigment.grain_names()
     n = pigment.grain_index("Titanium White", [[500, 589.3]])
     assert n.shape == (1, 2) and n[0, 1].real == pytest.approx((2 * 2.613 + 2.909) / 3, abs=4e-3)
+
+
+def _films(path, hidden=False):
+    """Films by the closed forms, over two cards: white, red and their mixtures."""
+    nm = np.arange(400, 701, 20)
+    paints = {"white": (0.01 + 0 * nm, 8 * (550 / nm) ** 1.3), "red": (0.05 + 8 / (1 + np.exp((nm - 580) / 15)), 1.5 + 0 * nm)}
+    seen = pigment.saunderson(0.0418, 0.5963, specular="excluded")
+    lines = ["sample,specimen,paints,backing," + ",".join(str(int(x)) for x in nm)]
+    for number, share in enumerate((0, 1, 0.1, 0.3, 0.5)):
+        k, s = (share * paints["red"][i] + (1 - share) * paints["white"][i] for i in (0, 1))
+        recipe = " + ".join(f"{name}: {part}" for name, part in (("red", share), ("white", 1 - share)) if part > 0)
+        free = pigment.layer(k, s, 1)
+        for card in (0.05, 0.8):
+            outer = seen.outer(free.reflectance + free.transmittance**2 * card / (1 - free.reflectance * card))
+            lines.append(f"{number} on {card},{number},{recipe},{card}," + ",".join(f"{v:.6f}" for v in outer))
+    path.write_text("\n".join(lines) + "\n")
+    return nm, paints, seen
+
+
+def test_joint_fit(tmp_path):
+    nm, paints, seen = _films(tmp_path / "films.csv")
+    found = pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", surface=seen, noise=0.001, thickness_error=0.001,
+                              amount_error=0.001, hold_out=["3"])
+    assert found.palette.relative
+    white = found.palette.names.index("white")
+    np.testing.assert_allclose(found.palette.s[white], paints["white"][1], rtol=0.08)
+    assert all(s.rms < 0.005 for s in found.specimens)
+    assert [h.specimen for h in found.held_out] == ["3"]
+    assert found.held_out[0].difference < 1
+    assert found.ratio_error.shape == (2, nm.size)
+    with pytest.raises(aureole.Error, match="no specimen is called"):
+        pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", hold_out="x")
+
+
+def test_notes_are_warnings(tmp_path):
+    table = tmp_path / "percent.csv"
+    table.write_text("paints,400,700\nwhite,90,91\n")
+    with pytest.warns(UserWarning, match="taken for per cent"):
+        pigment.fit(table)
+
+
+def _write_xlsx(path, rows):
+    """A workbook of one sheet, with texts in their cells."""
+    def cell(at, value):
+        if isinstance(value, str):
+            return f'<c r="{at}" t="inlineStr"><is><t>{value}</t></is></c>'
+        return f'<c r="{at}"><v>{value}</v></c>'
+
+    data = "".join(f'<row r="{r}">' + "".join(cell(f"{chr(65 + c)}{r}", v) for c, v in enumerate(row)) + "</row>"
+                   for r, row in enumerate(rows, 1))
+    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    kinds = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+    package = "http://schemas.openxmlformats.org/package/2006"
+    with zipfile.ZipFile(path, "w") as book:
+        book.writestr("[Content_Types].xml", f'<Types xmlns="{package}/content-types">'
+                      '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+                      '<Default Extension="xml" ContentType="application/xml"/></Types>')
+        book.writestr("_rels/.rels", f'<Relationships xmlns="{package}/relationships"><Relationship Id="a" '
+                      f'Type="{kinds}/officeDocument" Target="xl/workbook.xml"/></Relationships>')
+        book.writestr("xl/workbook.xml", f'<workbook xmlns="{main}" xmlns:r="{kinds}"><sheets>'
+                      '<sheet name="paints" sheetId="1" r:id="b"/></sheets></workbook>')
+        book.writestr("xl/_rels/workbook.xml.rels", f'<Relationships xmlns="{package}/relationships"><Relationship Id="b" '
+                      f'Type="{kinds}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>')
+        book.writestr("xl/worksheets/sheet1.xml", f'<worksheet xmlns="{main}"><sheetData>{data}</sheetData></worksheet>')
+
+
+def test_spreadsheets(tmp_path):
+    pytest.importorskip("python_calamine")
+    rows = [["paints", "unit", 400, 550, 700], ["white", "percent", 90, 91.5, 92], ["red", "percent", 5, 6, 60],
+            ["red: 1 + white: 9", "percent", 40, 42, 85]]
+    _write_xlsx(tmp_path / "paints.xlsx", rows)
+    (tmp_path / "paints.csv").write_text("\n".join(",".join(map(str, row)) for row in rows))
+    sheet, text = pigment.fit(tmp_path / "paints.xlsx"), pigment.fit(tmp_path / "paints.csv")
+    assert sheet.names == text.names
+    np.testing.assert_array_equal(sheet.k, text.k)
+    rows[2][3] = "dark"
+    _write_xlsx(tmp_path / "wrong.xlsx", rows)
+    with pytest.raises(aureole.Error, match=r'wrong.xlsx:3:\d+: expected a number, got "dark"'):
+        pigment.fit(tmp_path / "wrong.xlsx")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
 #include "messages.h"
+#include "pigment/joint_fit_report.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
@@ -24,6 +26,8 @@ struct FitOptions {
   std::string samples, white = "white", output, json, plot, plot_k, plot_s, plot_differences,
                        illuminant = "D65";
   SurfaceOptions surface;
+  JointOptions joint;
+  bool is_template = false;
 };
 
 struct Errors {
@@ -49,13 +53,17 @@ std::string relative_error(const std::vector<double>& values, const std::vector<
   return fmt::format("{:.2g} %", 100 * ratios[ratios.size() / 2]);
 }
 
+/// Bands of plots end at this logarithm of a factor: 100.
+constexpr double kWidestBand = 4.6;
+
 /// Plots a quantity of every paint over the wavelength, on a logarithmic axis. `value` is computed from K and
-/// S. Lines have the paints' colours with 0.3 of their K, so that dark paints differ, and 0.8 of R, so that
-/// white is visible on the page.
+/// S. `spread`, if any, has standard deviations of the quantity's logarithm by paint, drawn as 90 % intervals.
+/// Lines have the paints' colours with 0.3 of their K, so that dark paints differ, and 0.8 of R, so that white is
+/// visible on the page.
 template <class Value>
 std::string plot_of(const pigment::Palette& palette, const pigment::Observation& lamp,
                     const std::string& file, const std::string& name, const std::string& unit,
-                    const Value& value) {
+                    const Value& value, const std::vector<std::vector<double>>& spread) {
   Plot plot{name + " of the paints of " + file, "wavelength, nm", name + unit, {}, true};
   pigment::Palette usable = palette;
   pigment::clamp_negative(usable);
@@ -65,21 +73,43 @@ std::string plot_of(const pigment::Palette& palette, const pigment::Observation&
       values.push_back(value(p.k[i], p.s[i]));
       reflectance.push_back(0.8 * (p.s[i] > 0 ? pigment::opaque_reflectance(0.3 * p.k[i] / p.s[i]) : 0));
     }
-    plot.series.push_back(
+    PlotSeries& line = plot.series.emplace_back(
         spectrum_line(palette.nm, values, p.name, screen_colour(lamp.xyz(reflectance), lamp.white())));
+    if (spread.empty()) continue;
+    constexpr double kNormal90 = 1.6449;
+    const std::vector<double>& of_paint = spread[std::size_t(&p - usable.pigments.data())];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double factor = std::exp(std::min(kNormal90 * of_paint[i], kWidestBand));
+      line.low.push_back(values[i] / factor), line.high.push_back(values[i] * factor);
+    }
   }
   return svg_plot(plot);
 }
 
-void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp) {
-  const std::string unit = palette.relative ? ", in S of " + o.white : ", 1/m";
+/// `ratio_error` has standard deviations of ln(K/S) by paint, after a joint fit.
+void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp,
+                 const std::vector<std::vector<double>>& ratio_error = {}) {
+  const std::string unit = palette.per_film   ? ", per film"
+                           : palette.relative ? ", in S of " + o.white
+                                              : ", 1/m";
+  std::vector<std::vector<double>> k_error, s_error;
+  for (const pigment::Pigment& p : palette.pigments) {
+    if (ratio_error.empty()) break;
+    std::vector<double>&k = k_error.emplace_back(), &s = s_error.emplace_back();
+    for (std::size_t i = 0; i < palette.nm.size(); ++i)
+      k.push_back(p.k_error[i] / p.k[i]), s.push_back(p.s_error[i] / p.s[i]);
+  }
   const auto write = [&](const std::string& file, const std::string& name, const std::string& of,
-                         const auto& value) {
-    if (!file.empty()) write_file_atomically(file, plot_of(palette, lamp, o.samples, name, of, value));
+                         const auto& value, const std::vector<std::vector<double>>& spread) {
+    if (!file.empty())
+      write_file_atomically(file, plot_of(palette, lamp, o.samples, name, of, value, spread));
   };
-  write(o.plot, "K/S", "", [](double k, double s) { return s > 0 ? k / s : 0; });
-  write(o.plot_k, "K", unit, [](double k, double) { return k; });
-  write(o.plot_s, "S", unit, [](double, double s) { return s; });
+  write(
+      o.plot, "K/S", "", [](double k, double s) { return s > 0 ? k / s : 0; }, ratio_error);
+  write(
+      o.plot_k, "K", unit, [](double k, double) { return k; }, k_error);
+  write(
+      o.plot_s, "S", unit, [](double, double s) { return s; }, s_error);
 }
 
 /// Cumulative distribution of the differences: each difference over the fraction of them that is no larger.
@@ -105,11 +135,31 @@ nlohmann::json report_json(const pigment::FitReport& r) {
 }
 
 int fit(const FitOptions& o) {
+  if (o.is_template) {
+    if (std::filesystem::exists(o.samples)) throw Error("--template: the file " + o.samples + " exists");
+    write_file_atomically(o.samples, pigment::sample_table_template());
+    fmt::print("{}: an empty table with examples\n", o.samples);
+    return 0;
+  }
   const pigment::SampleTable table = read_sample_file(o.samples);
   const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
+  for (const std::string& note : table.notes) tell("note: {}: {}\n", o.samples, note);
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
     tell("note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
+  if (o.joint.joint) {
+    nlohmann::json out;
+    SurfaceOptions surface = o.surface;
+    if (ours) surface.geometry = "45_0";
+    const auto [palette, ratio_error] =
+        fit_jointly(o.samples, table, o.joint, surface, o.white, o.illuminant, out);
+    if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
+    if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
+    write_plots(o, palette, observe(o.illuminant, palette.nm), ratio_error);
+    if (!o.plot_differences.empty()) tell("note: --plot-differences: is not drawn with --joint\n");
+    return 0;
+  }
+  if (!o.joint.hold_out.empty()) throw Error("--hold-out: needs --joint");
   const pigment::Fit found = fit_file(o.samples, table, settings);
   const pigment::Palette& palette = found.palette;
 
@@ -194,6 +244,8 @@ std::function<int()> declare(CommandOptions& options) {
       .required();
   options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");
+  o->joint.declare(options);
+  options.add("--template", o->is_template, "write an empty table with examples to the file and end");
   options.add("--illuminant", o->illuminant, "illuminant of the colour differences").shows_default();
   options.add("-o,--output", o->output, "write the palette to this file, comma-separated").names_output();
   options.add("--json", o->json, "also write palette and report to this file").names_output();

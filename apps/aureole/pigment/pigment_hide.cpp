@@ -42,14 +42,18 @@ int hide(const HideOptions& o) {
   const double hidden = rate > 0 ? pigment::hiding_thickness(contrast, 1 / rate, o.ratio) : INFINITY;
   const auto thickness_text = [&](double t) {
     if (std::isinf(t)) return std::string("never");
-    return palette.relative ? fmt::format("{:.4g} /S of the white", t) : fmt::format("{:.4g} um", 1e6 * t);
+    return palette.per_film   ? fmt::format("{:.4g} films", t)
+           : palette.relative ? fmt::format("{:.4g} /S of the white", t)
+                              : fmt::format("{:.4g} um", 1e6 * t);
   };
 
   fmt::print("{}\n", pigment::recipe_text(components_of(palette, fractions)));
   fmt::print("over {:g} and {:g}, luminous reflectance under {}:\n", o.black, o.white, o.layer.illuminant);
   fmt::print("  hides (contrast ratio {:g}) from  {}\n", o.ratio, thickness_text(hidden));
   nlohmann::json out = {{"hiding_thickness", std::isinf(hidden) ? nlohmann::json() : nlohmann::json(hidden)},
-                        {"unit", palette.relative ? "1/S of the white" : "m"},
+                        {"unit", palette.per_film   ? "film"
+                                 : palette.relative ? "1/S of the white"
+                                                    : "m"},
                         {"contrast_ratio", o.ratio}};
   if (!o.layer.thickness.empty()) {
     const double thickness = thickness_for(palette, o.layer.thickness), ratio = contrast(thickness);
@@ -79,7 +83,9 @@ int hide(const HideOptions& o) {
     if (!palette.relative)
       for (double& v : x) v *= 1e6;
     Plot plot{"Hiding power of " + pigment::recipe_text(components_of(palette, fractions)),
-              palette.relative ? "thickness, 1/S of the white" : "thickness, um",
+              palette.per_film   ? "thickness, films"
+              : palette.relative ? "thickness, 1/S of the white"
+                                 : "thickness, um",
               "contrast ratio",
               {}};
     plot.series.push_back(spectrum_line(x, y, "", "#2b5d8f"));

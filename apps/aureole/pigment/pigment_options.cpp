@@ -56,8 +56,9 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();
   options.add("--volume", by_volume, "the parts are by volume; the palette needs densities");
-  options.add("--thickness", thickness,
-              "thickness of the layer, \"20um\"; for relative palettes a number, in 1/S of the white");
+  options.add(
+      "--thickness", thickness,
+      "thickness of the layer, \"20um\"; for palettes without a unit of length a number, in 1/S of the white or in films");
   options.add("--illuminant", illuminant, "illuminant of the colours").shows_default();
   options.add("--json", json, "also write the results to this file").names_output();
 }
@@ -77,7 +78,8 @@ double thickness_for(const pigment::Palette& palette, const std::string& text) {
     value = palette.relative ? parse_number(text) : parse_length_m(text);
   } catch (const Error& e) {
     throw Error("--thickness: " + e.message() +
-                (palette.relative
+                (palette.per_film ? " (K and S of this palette are per film: thickness counts in films)"
+                 : palette.relative
                      ? " (K and S of this palette are relative: thickness counts in 1/S of the white)"
                      : ""));
   }

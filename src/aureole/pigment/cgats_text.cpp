@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "aureole/pigment/domain.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
@@ -82,8 +83,9 @@ struct Table {
     return at == keywords.end() ? std::string() : at->second.cells[1].text;
   }
   bool has_spectra() const {
-    return std::any_of(fields.begin(), fields.end(),
-                       [](const TextCell& f) { return spectral(upper_case(f.text)).has_value(); });
+    return std::any_of(fields.begin(), fields.end(), [](const TextCell& f) {
+      return spectral(upper_case(f.text)).has_value() || upper_case(f.text) == "SPECTRAL_NM";
+    });
   }
 };
 
@@ -187,6 +189,20 @@ SampleTable samples_of(const Table& t) {
       throw TextError(row.line, row.cells[1].column, "SPECTRAL_NORM must be 1 or 100, got " + norm);
     percent = value == 100;
   }
+  // Pairs of fields SPECTRAL_NM and SPECTRAL_DEC or SPECTRAL_PCT: the wavelength stands in the data.
+  for (std::size_t i = 0; i + 1 < t.fields.size(); ++i) {
+    const std::string next = upper_case(t.fields[i + 1].text);
+    if (upper_case(t.fields[i].text) != "SPECTRAL_NM" || (next != "SPECTRAL_DEC" && next != "SPECTRAL_PCT"))
+      continue;
+    if (t.rows.empty()) throw TextError(t.line, 0, "there are no rows, and so no wavelengths");
+    const double nm = number_of(t.rows.front(), i);
+    for (const TextRow& row : t.rows)
+      if (number_of(row, i) != nm)
+        throw TextError(
+            row.line, row.cells[i].column,
+            "expected the wavelength of the first row, " + number_text(nm) + ", got " + row.cells[i].text);
+    columns.push_back({i + 1, nm}), percent = percent || next == "SPECTRAL_PCT";
+  }
   for (std::size_t i = 0; i < t.fields.size(); ++i)
     if (const auto s = spectral(upper_case(t.fields[i].text))) {
       for (const Column& c : columns)
@@ -196,13 +212,21 @@ SampleTable samples_of(const Table& t) {
       columns.push_back({i, s->nm}), percent = percent || s->percent;
     }
   std::sort(columns.begin(), columns.end(), [](const Column& a, const Column& b) { return a.nm < b.nm; });
+  for (std::size_t i = 1; i < columns.size(); ++i)
+    if (columns[i].nm == columns[i - 1].nm)
+      throw TextError(t.line, 0, "the wavelength " + number_text(columns[i].nm) + " comes twice");
+  if (columns.empty())
+    throw TextError(
+        t.line, 0,
+        "SPECTRAL_NM needs SPECTRAL_DEC or SPECTRAL_PCT behind it, or a wavelength: SPECTRAL_NM400");
 
   const auto name = t.find("SAMPLE_NAME"), id = t.find("SAMPLE_ID"), paints = t.find("PAINTS");
   const auto named = name ? name : id;
   if (!paints && !named)
     throw TextError(t.line, 0,
                     "the samples have no names: there is no field PAINTS, SAMPLE_NAME or SAMPLE_ID");
-  const auto quantity = t.find("QUANTITY"), backing = t.find("BACKING"), thickness = t.find("THICKNESS_UM");
+  const auto quantity = t.find("QUANTITY"), backing = t.find("BACKING"), thickness = t.find("THICKNESS_UM"),
+             series = t.find("SERIES"), specimen = t.find("SPECIMEN");
   SampleTable table;
   for (const Column& c : columns) table.nm.push_back(c.nm);
   for (const TextRow& row : t.rows) {
@@ -227,6 +251,7 @@ SampleTable samples_of(const Table& t) {
     else if (!kind.empty() && kind != "R")
       fail(quantity, "QUANTITY must be R or T, got \"" + at(quantity) + "\"");
     if (!at(backing).empty()) s.backing = at(backing);
+    s.series = at(series), s.specimen = at(specimen);
     if (!at(thickness).empty()) {
       s.thickness = 1e-6 * number_of(row, *thickness);
       if (!(s.thickness > 0)) fail(thickness, "THICKNESS_UM must be positive, got " + at(thickness));

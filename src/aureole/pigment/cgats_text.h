@@ -10,9 +10,9 @@
 namespace aureole::pigment {
 
 /// Reads the first table with spectra. Its fields are wavelengths (SPECTRAL_NM400, SPECTRAL_400, SPEC_400,
-/// NM400, NM_400, R_400 or 400) and the columns of `read_samples`, in any case: PAINTS, which names the paint
+/// NM400, NM_400, R_400 or 400; or pairs of fields SPECTRAL_NM and SPECTRAL_DEC or SPECTRAL_PCT) and the columns of `read_samples`, in any case: PAINTS, which names the paint
 /// or the recipe (else SAMPLE_NAME, else SAMPLE_ID), SAMPLE_NAME or SAMPLE_ID, QUANTITY, BACKING,
-/// THICKNESS_UM. Other fields are ignored. Values are fractions, or per cent if SPECTRAL_NORM is 100, if a
+/// THICKNESS_UM, SERIES, SPECIMEN. Other fields are ignored. Values are fractions, or per cent if SPECTRAL_NORM is 100, if a
 /// field is named SPECTRAL_PCT400, or if UNIT is "percent". Throws TextError.
 SampleTable read_cgats(std::istream& text);
 

@@ -20,6 +20,10 @@ std::vector<std::string> Palette::names() const {
   return all;
 }
 
+std::string_view unit_name(const Palette& palette) {
+  return !palette.relative ? "1/m" : palette.per_film ? "film" : "relative";
+}
+
 void check(const Palette& palette) {
   if (palette.nm.empty()) throw std::domain_error("a palette needs wavelengths");
   if (palette.pigments.empty()) throw std::domain_error("a palette needs a pigment");

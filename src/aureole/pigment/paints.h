@@ -27,12 +27,18 @@ struct Pigment {
 struct Palette {
   std::vector<double> nm;  ///< increasing
   std::vector<Pigment> pigments;
-  bool relative = true;  ///< K and S are relative to the white's S; otherwise per metre
-  Surface surface = {};  ///< between the binder and air, for the instrument of the measurements
+  bool relative = true;  ///< K and S have no unit of length: they are relative to the white's S, or per film.
+                         ///< Otherwise they are per metre.
+  bool per_film = false;  ///< with `relative`: K and S are per thickness of the films that were measured, and
+                          ///< thickness counts in films
+  Surface surface = {};   ///< between the binder and air, for the instrument of the measurements
 
   std::optional<std::size_t> find(std::string_view name) const;
   std::vector<std::string> names() const;
 };
+
+/// "1/m", "relative" or "film", the unit of K and S in files.
+std::string_view unit_name(const Palette& palette);
 
 /// Throws std::domain_error, with the name of the pigment and the wavelength, if the palette has no
 /// wavelengths or no pigments, if wavelengths do not increase, if a number is missing or not finite, or if a

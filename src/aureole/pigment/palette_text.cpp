@@ -36,9 +36,9 @@ Pigment& named(Palette& palette, const std::string& name) {
 
 std::string palette_text(const Palette& palette) {
   std::ostringstream out;
-  out << "unit," << (palette.relative ? "relative" : "1/m") << "\nsurface seen,"
-      << exact(palette.surface.seen) << "\nsurface through," << exact(palette.surface.through)
-      << "\nsurface k2," << exact(palette.surface.k2) << "\n";
+  out << "unit," << unit_name(palette) << "\nsurface seen," << exact(palette.surface.seen)
+      << "\nsurface through," << exact(palette.surface.through) << "\nsurface k2,"
+      << exact(palette.surface.k2) << "\n";
   for (const Pigment& p : palette.pigments)
     if (p.density > 0) out << cell("density " + p.name) << "," << exact(p.density) << "\n";
   std::vector<const std::vector<double>*> columns;
@@ -69,10 +69,11 @@ Palette read_palette(std::istream& text) {
     if (row.cells.size() < 2)
       throw TextError(row.line, 0, "expected a key and a value, or the headings from \"nm\" on");
     if (key == "unit") {
-      if (row.cells[1].text != "relative" && row.cells[1].text != "1/m")
+      const std::string& unit = row.cells[1].text;
+      if (unit != "relative" && unit != "film" && unit != "1/m")
         throw TextError(row.line, row.cells[1].column,
-                        "unit must be relative or 1/m, got \"" + row.cells[1].text + "\"");
-      palette.relative = row.cells[1].text == "relative";
+                        "unit must be relative, film or 1/m, got \"" + unit + "\"");
+      palette.relative = unit != "1/m", palette.per_film = unit == "film";
     } else if (key == "surface seen") {
       palette.surface.seen = number_of(row, 1);
     } else if (key == "surface through") {

@@ -1,108 +1,442 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/pigment/samples.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <iterator>
 #include <optional>
+#include <sstream>
 
 #include "aureole/pigment/domain.h"
+#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
 namespace aureole::pigment {
 namespace {
 
-/// The indices of the columns.
-struct Columns {
-  std::optional<std::size_t> sample, paints, quantity, backing, thickness, unit;
-  std::vector<std::size_t> values;
-  std::vector<double> nm;
+constexpr const char* kColumnNames =
+    "sample, specimen, series, paints, quantity, backing, thickness_um, unit and wavelengths in nm";
+constexpr const char* kRightHeader = "sample,paints,backing,thickness_um,unit,400,410,420";
 
-  explicit Columns(const TextRow& header) {
-    for (std::size_t i = 0; i < header.cells.size(); ++i) {
-      const TextCell& cell = header.cells[i];
-      if (auto* known = find(cell.text)) {
-        if (*known) throw TextError(header.line, cell.column, "the column \"" + cell.text + "\" comes twice");
-        *known = i;
-        continue;
+/// A heading in lower case, without blanks, underscores, hyphens and what is in brackets. The latter is `inside`.
+struct Heading {
+  std::string word, inside;
+
+  explicit Heading(const std::string& text) {
+    bool in = false;
+    for (const char c : lower_case(text)) {
+      if (c == '(' || c == '[') {
+        in = true;
+      } else if (c == ')' || c == ']') {
+        in = false;
+      } else if (c != ' ' && c != '_' && c != '-') {
+        (in ? inside : word) += c;
       }
-      if (cell.text.empty() || cell.text.find_first_not_of("0123456789.") != cell.text.npos)
-        throw TextError(
-            header.line, cell.column,
-            "unknown column \"" + cell.text +
-                "\"; columns are sample, paints, quantity, backing, thickness_um, unit and wavelengths in nm");
-      const double wavelength = number_of(header, i);
-      if (!nm.empty() && !(wavelength > nm.back()))
-        throw TextError(header.line, cell.column, "wavelengths must increase");
-      values.push_back(i), nm.push_back(wavelength);
     }
-    if (!paints) throw TextError(header.line, 0, "there is no column \"paints\"");
-    if (nm.empty()) throw TextError(header.line, 0, "there is no column with a wavelength");
-  }
-
-private:
-  std::optional<std::size_t>* find(const std::string& name) {
-    return name == "sample"         ? &sample
-           : name == "paints"       ? &paints
-           : name == "quantity"     ? &quantity
-           : name == "backing"      ? &backing
-           : name == "thickness_um" ? &thickness
-           : name == "unit"         ? &unit
-                                    : nullptr;
   }
 };
 
-Sample sample_of(const TextRow& row, const Columns& columns) {
-  const auto text = [&](const std::optional<std::size_t>& column) {
+struct Wavelength {
+  double nm = 0;
+  bool percent = false;
+};
+
+/// The wavelength that a heading names, or nothing.
+std::optional<Wavelength> wavelength_of(const std::string& text) {
+  const Heading heading(text);
+  std::string word = heading.word;
+  if (word.empty()) return {};
+  Wavelength result;
+  const auto drop = [&](const char c) {
+    const auto end = std::remove(word.begin(), word.end(), c);
+    const bool any = end != word.end();
+    word.erase(end, word.end());
+    return any;
+  };
+  result.percent = drop('%') || heading.inside == "%";
+  for (const std::string prefix : {"spectralpct", "spectraldec", "spectralnm", "spectral", "spec",
+                                   "reflectance", "refl", "wl", "nm", "r", "t"})
+    if (word.starts_with(prefix)) {
+      word.erase(0, prefix.size());
+      result.percent = result.percent || prefix == "spectralpct";
+      break;
+    }
+  if (word.ends_with("nm")) word.erase(word.size() - 2);
+  std::replace(word.begin(), word.end(), ',', '.');
+  const auto nm = finite_number(word);
+  if (!nm || !(*nm >= 100 && *nm < 1e5)) return {};
+  result.nm = *nm;
+  return result;
+}
+
+/// Columns of instruments' exports that this table has no use for.
+bool is_unused(const Heading& heading) {
+  for (const char* name :
+       {"l*",         "a*",       "b*",       "c*",      "h",        "h*",       "h°",      "x",
+        "y",          "z",        "l",        "a",       "b",        "c",        "de",      "date",
+        "time",       "datetime", "operator", "comment", "comments", "remark",   "remarks", "instrument",
+        "illuminant", "observer", "no",       "nr",      "number",   "aperture", "geometry"})
+    if (heading.word == name) return true;
+  return false;
+}
+
+using OptionalColumn = std::optional<std::size_t>;
+
+/// The indices of the columns.
+struct Columns {
+  OptionalColumn sample, paints, quantity, backing, thickness, unit, series, specimen;
+  double thickness_scale = 1e-6;  ///< metres in the unit of the thickness
+  bool percent = false;
+  std::vector<std::vector<std::size_t>> values;  ///< for each repeat, the columns by increasing wavelength
+  std::vector<double> nm;
+
+  OptionalColumn* find(const std::string& name, double* scale = nullptr) {
+    const Heading heading(name);
+    const std::string& word = heading.word;
+    const auto is = [&](std::initializer_list<const char*> names) {
+      return std::any_of(names.begin(), names.end(), [&](const char* n) { return word == n; });
+    };
+    if (is({"sample", "samplename", "sampleid", "name", "id"})) return &sample;
+    if (is({"paints", "paint", "recipe", "mixture", "composition"})) return &paints;
+    if (is({"quantity", "mode"})) return &quantity;
+    if (is({"backing", "background", "substrate"})) return &backing;
+    if (is({"unit", "units"})) return &unit;
+    if (is({"series", "batch"})) return &series;
+    if (is({"specimen", "drawdown"})) return &specimen;
+    if (word.starts_with("thickness")) {
+      const std::string of = word.size() > 9 ? word.substr(9) : heading.inside;
+      const double found = of == "um" || of == "µm" || of == "μm" || of == "micron" || of == "microns" ? 1e-6
+                           : of == "mm"                                                                ? 1e-3
+                           : of == "m"                                                                 ? 1
+                                                                                                       : 0;
+      if (found == 0) return nullptr;
+      if (scale) *scale = found;
+      return &thickness;
+    }
+    return nullptr;
+  }
+
+  explicit Columns(const TextRow& header, std::vector<std::string>& notes) {
+    struct Found {
+      std::size_t column;
+      double nm;
+    };
+    std::vector<Found> found;
+    const auto line = [&](const TextCell& cell) { return cell.line ? cell.line : header.line; };
+    for (std::size_t i = 0; i < header.cells.size(); ++i) {
+      const TextCell& cell = header.cells[i];
+      if (auto* known = find(cell.text, &thickness_scale)) {
+        if (*known) throw TextError(line(cell), cell.column, "the column \"" + cell.text + "\" comes twice");
+        *known = i;
+        continue;
+      }
+      if (const auto wavelength = wavelength_of(cell.text)) {
+        found.push_back({i, wavelength->nm}), percent = percent || wavelength->percent;
+        continue;
+      }
+      if (is_unused(Heading(cell.text))) {
+        notes.push_back("the column \"" + cell.text + "\" is not used");
+        continue;
+      }
+      if (cell.text.empty() && i + 1 == header.cells.size()) continue;  // a separator at the end of the line
+      throw TextError(line(cell), cell.column,
+                      "unknown column \"" + cell.text + "\"; columns are " + kColumnNames +
+                          ", as in the line\n    " + kRightHeader);
+    }
+    if (!paints)
+      throw TextError(
+          header.line, 0,
+          "there is no column \"paints\", the recipe of each sample; a line of headings that would be "
+          "right:\n    " +
+              std::string(kRightHeader));
+    if (found.empty())
+      throw TextError(
+          header.line, 0,
+          "there is no column with a wavelength, such as 400, 400nm or R400; a line of headings that "
+          "would be right:\n    " +
+              std::string(kRightHeader));
+    if (!std::is_sorted(found.begin(), found.end(),
+                        [](const Found& a, const Found& b) { return a.nm < b.nm; }) &&
+        found.front().nm > found.back().nm)
+      notes.push_back("wavelengths descend; they are sorted");
+    std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.nm < b.nm; });
+    for (const Found& f : found)
+      if (nm.empty() || f.nm > nm.back()) nm.push_back(f.nm);
+    const std::size_t repeats = found.size() / nm.size();
+    values.resize(repeats);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found.size() % nm.size() != 0 || found[i].nm != nm[i / repeats]) {
+        const TextCell& cell = header.cells[found[i].column];
+        throw TextError(line(cell), cell.column,
+                        "wavelengths must increase or all come equally often: \"" + cell.text +
+                            "\" does not; a line of headings that would be right:\n    " + kRightHeader);
+      }
+      values[i % repeats].push_back(found[i].column);
+    }
+    if (repeats > 1)
+      notes.push_back("each wavelength has " + std::to_string(repeats) + " columns: they are repeats");
+  }
+};
+
+/// The sum of a recipe's amounts if it is nearly but not quite 100, as of per cent that were rounded or misread.
+std::optional<double> sum_beside_100(const std::string& recipe) {
+  double sum = 0;
+  for (std::size_t at = recipe.find(':'); at != recipe.npos; at = recipe.find(':', at + 1)) {
+    const std::size_t begin = recipe.find_first_not_of(' ', at + 1), end = recipe.find('+', at);
+    if (begin == recipe.npos) return {};
+    std::string amount = recipe.substr(begin, end == recipe.npos ? recipe.npos : end - begin);
+    amount.erase(amount.find_last_not_of(" ") + 1);
+    const auto value = finite_number(amount);
+    if (!value) return {};
+    sum += *value;
+  }
+  if (std::abs(sum - 100) < 0.05 || std::abs(sum - 100) > 10) return {};
+  return sum;
+}
+
+/// One row of the table: a measurement, or several repeats.
+std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::vector<std::string>& notes,
+                               bool& has_unit) {
+  const auto text = [&](const OptionalColumn& column) {
     return column ? row.cells[*column].text : std::string();
   };
-  const auto fail = [&](const std::optional<std::size_t>& column, const std::string& message) {
-    throw TextError(row.line, row.cells[*column].column, message);
+  const auto line = [&](std::size_t column) {
+    return row.cells[column].line ? row.cells[column].line : row.line;
+  };
+  const auto fail = [&](const OptionalColumn& column, const std::string& message) {
+    throw TextError(line(*column), row.cells[*column].column, message);
   };
   Sample s;
   s.line = row.line;
   s.name = text(columns.sample);
+  s.series = text(columns.series), s.specimen = text(columns.specimen);
   try {
     if (!text(columns.paints).empty()) s.paints = parse_recipe(text(columns.paints));
   } catch (const std::domain_error& e) {
-    fail(columns.paints, e.what());
+    fail(columns.paints, std::string(e.what()) + "; a recipe that would be right: red: 1 + white: 3");
   }
+  if (const auto sum = sum_beside_100(text(columns.paints)))
+    notes.push_back("line " + std::to_string(line(*columns.paints)) + ": the amounts of \"" +
+                    text(columns.paints) + "\" sum to " + number_text(*sum) + " and are taken for parts");
   if (s.name.empty()) s.name = text(columns.paints);
-  const std::string quantity = text(columns.quantity);
+  const std::string quantity = upper_case(text(columns.quantity));
   if (quantity == "T")
     s.quantity = Sample::Quantity::transmittance;
   else if (!quantity.empty() && quantity != "R")
-    fail(columns.quantity, "quantity must be R or T, got \"" + quantity + "\"");
+    fail(columns.quantity, "quantity must be R or T, got \"" + text(columns.quantity) + "\"");
   if (!text(columns.backing).empty()) s.backing = text(columns.backing);
   if (!text(columns.thickness).empty()) {
-    s.thickness = 1e-6 * number_of(row, *columns.thickness);
+    s.thickness = columns.thickness_scale * number_of(row, *columns.thickness);
     if (!(s.thickness > 0))
       fail(columns.thickness, "thickness must be positive, got " + text(columns.thickness));
+    if (s.thickness < 0.4e-6)
+      notes.push_back("line " + std::to_string(line(*columns.thickness)) + ": a thickness of " +
+                      number_text(1e6 * s.thickness) +
+                      " um is thinner than a wavelength; if it is in mm, the heading is \"thickness (mm)\"");
   }
-  const std::string unit = text(columns.unit);
-  if (!unit.empty() && unit != "percent" && unit != "fraction")
-    fail(columns.unit, "unit must be fraction or percent, got \"" + unit + "\"");
-  for (const std::size_t column : columns.values) {
-    const double value = number_of(row, column) * (unit == "percent" ? 0.01 : 1);
-    s.values.push_back(value);
-    s.columns.push_back(row.cells[column].column);
+  const std::string unit = lower_case(text(columns.unit));
+  if (!unit.empty() && unit != "percent" && unit != "%" && unit != "fraction")
+    fail(columns.unit, "unit must be fraction or percent, got \"" + text(columns.unit) + "\"");
+  has_unit = !unit.empty() || columns.percent;
+  const bool percent = unit.empty() ? columns.percent : unit != "fraction";
+  std::vector<Sample> all;
+  for (const std::vector<std::size_t>& run : columns.values) {
+    Sample& one = all.emplace_back(s);
+    bool down = false;
+    for (const std::size_t column : run) {
+      one.values.push_back(number_of(row, column) * (percent ? 0.01 : 1));
+      one.columns.push_back(row.cells[column].column), one.lines.push_back(line(column));
+      down = down || row.cells[column].line > 0;
+    }
+    if (!down) one.lines.clear();
   }
-  return s;
+  return all;
+}
+
+/// The rows of a table, from its headings on.
+struct Grid {
+  std::vector<TextRow> rows;
+  int headings = 0;  ///< number of cells that are headings
+  bool down = false;
+  char separator = ',';
+};
+
+int count_headings(const TextRow& row) {
+  int count = 0;
+  for (const TextCell& cell : row.cells) count += wavelength_of(cell.text).has_value();
+  return count;
+}
+
+/// Whether the text names the column of wavelengths in a table that has them down.
+bool is_wavelength_heading(const std::string& text) {
+  const std::string word = Heading(text).word;
+  return word == "nm" || word == "wavelength" || word == "wavelengths" || word == "wavelengthnm" ||
+         word == "wl" || word == "lambda" || word == "λ";
+}
+
+/// Rows become columns. Cells keep their places.
+std::vector<TextRow> transposed(const std::vector<TextRow>& rows) {
+  std::vector<TextRow> result(rows.front().cells.size());
+  for (const TextRow& row : rows)
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      result[i].cells.push_back(row.cells[i]);
+      result[i].cells.back().line = row.line;
+      if (result[i].line == 0) result[i].line = row.line;
+    }
+  return result;
+}
+
+/// Finds the table in rows split by one separator: the first line with wavelengths and text headings, or a line
+/// that begins with "nm" above lines that begin with a wavelength.
+Grid find_grid(std::vector<TextRow> rows, char separator) {
+  Grid grid;
+  grid.separator = separator;
+  for (std::size_t r = 0; r < rows.size() && r < 300; ++r) {
+    const int across = count_headings(rows[r]);
+    // Data have numbers above 100 only in per cent, and a line of them has no text but names.
+    if (across > grid.headings && rows[r].cells.size() >= 2) {
+      const bool has_name = std::any_of(rows[r].cells.begin(), rows[r].cells.end(), [](const TextCell& c) {
+        const std::string word = Heading(c.text).word;
+        return word.starts_with("paint") || word == "recipe" || word == "mixture" || word == "composition" ||
+               word.starts_with("sample") || word == "name" || word == "id";
+      });
+      if (has_name) {
+        grid.headings = across, grid.down = false;
+        grid.rows.assign(rows.begin() + std::ptrdiff_t(r), rows.end());
+      }
+    }
+  }
+  if (grid.headings > 0) return grid;
+  std::size_t first = rows.size(), count = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].cells.size() < 2) continue;
+    const std::string word = Heading(rows[r].cells[0].text).word;
+    const bool key = is_wavelength_heading(rows[r].cells[0].text) || word == "paints" || word == "backing" ||
+                     word == "sample" || word == "specimen" || word == "series" || word == "unit" ||
+                     word == "quantity" || word.starts_with("thickness");
+    if (key && first == rows.size() && rows[r].cells.size() >= 2) first = r;
+    if (first < rows.size() && wavelength_of(rows[r].cells[0].text)) ++count;
+  }
+  if (count < 2) return grid;
+  grid.headings = int(count), grid.down = true;
+  grid.rows.assign(rows.begin() + std::ptrdiff_t(first), rows.end());
+  return grid;
+}
+
+/// Changes decimal commas to points in all cells that are numbers with one comma.
+bool change_decimal_commas(std::vector<TextRow>& rows) {
+  bool any = false;
+  for (TextRow& row : rows)
+    for (TextCell& cell : row.cells) {
+      if (std::count(cell.text.begin(), cell.text.end(), ',') != 1 || cell.text.find('.') != cell.text.npos)
+        continue;
+      std::string text = cell.text;
+      text[text.find(',')] = '.';
+      if (finite_number(text)) cell.text = std::move(text), any = true;
+    }
+  return any;
 }
 
 }  // namespace
 
-SampleTable read_samples(std::istream& text) {
-  const std::vector<TextRow> rows = read_text_table(text);
-  if (rows.empty()) throw TextError(0, 0, "there is no table");
-  const Columns columns(rows.front());
-  SampleTable table{columns.nm, {}};
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    if (rows[i].cells.size() != rows.front().cells.size())
-      throw TextError(rows[i].line, 0,
-                      "expected " + std::to_string(rows.front().cells.size()) + " cells, got " +
-                          std::to_string(rows[i].cells.size()));
-    table.samples.push_back(sample_of(rows[i], columns));
+SampleTable read_samples(std::istream& stream) {
+  const std::string text = utf8_text({std::istreambuf_iterator<char>(stream), {}});
+  SampleTable table;
+  std::vector<std::string>& notes = table.notes;
+  Grid best;
+  for (const char separator : {',', ';', '\t'}) {
+    if (separator != ',' && text.find(separator) == text.npos) continue;
+    std::istringstream in(text);
+    Grid grid;
+    try {
+      grid = find_grid(read_text_table(in, separator), separator);
+    } catch (const TextError&) {
+      if (separator == ',') throw;
+      continue;
+    }
+    if (grid.headings > best.headings) best = std::move(grid);
+  }
+  if (best.headings == 0) {
+    std::istringstream in(text);
+    best.rows = read_text_table(in);
+    if (best.rows.empty())
+      throw TextError(
+          0, 0,
+          "there is no table; a line of headings that would be right:\n    " + std::string(kRightHeader));
+  }
+  if (best.rows.front().line > 1 && best.headings > 0) {
+    // Lines with text before the table; comments are meant to be skipped.
+    std::istringstream in(text);
+    std::string skipped;
+    int count = 0;
+    for (int l = 1; l < best.rows.front().line && std::getline(in, skipped); ++l) {
+      const auto at = skipped.find_first_not_of(" \t\r,;");
+      count += at != skipped.npos && skipped[at] != '#';
+    }
+    if (count > 0)
+      notes.push_back("the table begins in line " + std::to_string(best.rows.front().line) + "; " +
+                      std::to_string(count) + " lines before it are not read");
+  }
+  if (change_decimal_commas(best.rows)) notes.push_back("decimal commas are read as points");
+  if (best.down) {
+    const std::size_t width = best.rows.front().cells.size();
+    for (const TextRow& row : best.rows)
+      if (row.cells.size() != width)
+        throw TextError(row.line, 0,
+                        "expected " + std::to_string(width) + " cells as in line " +
+                            std::to_string(best.rows.front().line) + ", got " +
+                            std::to_string(row.cells.size()));
+    bool has_paints = false;
+    for (const TextRow& row : best.rows)
+      has_paints = has_paints || Heading(row.cells[0].text).word == "paints";
+    for (TextRow& row : best.rows)
+      if (is_wavelength_heading(row.cells[0].text)) {
+        row.cells[0].text = has_paints ? "sample" : "paints";
+        if (!has_paints)
+          notes.push_back("the headings of line " + std::to_string(row.line) + " are the recipes");
+      }
+    best.rows = transposed(best.rows);
+  }
+  const Columns columns(best.rows.front(), notes);
+  table.nm = columns.nm;
+  std::vector<std::size_t> without_unit;
+  double largest = 0;
+  for (std::size_t i = 1; i < best.rows.size(); ++i) {
+    const TextRow& row = best.rows[i];
+    if (row.cells.size() != best.rows.front().cells.size())
+      throw TextError(row.line, 0,
+                      "expected " + std::to_string(best.rows.front().cells.size()) +
+                          " cells, as in the line of headings, got " + std::to_string(row.cells.size()) +
+                          (best.separator == ',' && row.cells.size() > best.rows.front().cells.size()
+                               ? "; numbers with decimal commas need another separator, as in 24;0,41;0,42"
+                               : ""));
+    bool has_unit = false;
+    for (Sample& s : samples_of(row, columns, notes, has_unit)) {
+      if (!has_unit) {
+        without_unit.push_back(table.samples.size());
+        largest = std::max(largest, *std::max_element(s.values.begin(), s.values.end()));
+      }
+      table.samples.push_back(std::move(s));
+    }
+  }
+  if (largest > 1.5) {
+    for (const std::size_t s : without_unit)
+      for (double& v : table.samples[s].values) v *= 0.01;
+    notes.push_back("values up to " + number_text(largest) +
+                    " have no unit and are taken for per cent; a column \"unit\" with percent says so");
   }
   return table;
+}
+
+std::string sample_table_template() {
+  return "# One measurement a line. paints: a recipe by mass. backing: opaque, none (a free film), a reflectance, or\n"
+         "# the name of a line without paints, a bare card. Films need a thickness, or: aureole pigment fit --joint.\n"
+         "# specimen: the layer that was measured. series: what was made from the same batches of paint.\n"
+         "sample,specimen,series,paints,quantity,backing,thickness_um,unit,400,410,420\n"
+         "# black card,,,,R,,,percent,4.9,4.9,4.9\n"
+         "# ochre over black,1,a,ochre,R,black card,24,percent,8.1,8.3,8.6\n"
+         "# tint,2,a,ochre: 1 + white: 9,R,opaque,,percent,41.0,42.3,43.9\n";
 }
 
 void check(const SampleTable& table) {

@@ -22,14 +22,18 @@ struct Sample {
   /// number, the inner reflectance of the substrate.
   std::string backing = "opaque";
   double thickness = 0;           ///< [m]; 0: unknown
+  std::string series = {};        ///< what was made from the same batches of paint; for joint_fit.h
+  std::string specimen = {};      ///< the layer that was measured; samples of one specimen have one thickness
   std::vector<double> values;     ///< fractions, as measured, one per wavelength
   int line = 0;                   ///< line number in the file, from 1; 0: not from a text file
   std::vector<int> columns = {};  ///< column numbers of the values in that line
+  std::vector<int> lines = {};    ///< line numbers of the values, if they differ: wavelengths down
 };
 
 struct SampleTable {
   std::vector<double> nm;
   std::vector<Sample> samples;
+  std::vector<std::string> notes = {};  ///< what reading a file assumed, for the user to confirm
 };
 
 /// An error in a text and its position, counting from 1 (0: unknown).
@@ -57,11 +61,18 @@ private:
   int wavelength_;
 };
 
-/// Reads comma-separated values. Empty lines and lines beginning with '#' are skipped. The first line names
-/// the columns: "paints" (a recipe; required), "sample", "quantity" (R or T), "backing", "thickness_um",
-/// "unit" ("fraction", the default, or "percent"), and wavelengths in nm in increasing order. Throws
-/// TextError.
+/// Reads a table of text as laboratories write it. Cells are separated by commas, semicolons or tabs; with the last
+/// two, numbers may have decimal commas. Text may be UTF-16. Lines before the table, empty lines and lines beginning
+/// with '#' are skipped. A line names the columns, in any case: "paints" (a recipe; required), "sample", "specimen",
+/// "series", "quantity" (R or T), "backing", "thickness_um" (or "thickness (mm)"), "unit" ("fraction" or "percent"),
+/// and wavelengths: "400", "400nm", "R400", "nm400", "%R 400" and the like, in any order. Wavelengths that all come
+/// several times are repeats. Instead, the first column may have these names, and the others one measurement each.
+/// Without a unit, values above 1.5 are taken for per cent. What is assumed or not used is in `notes`. Throws
+/// TextError that says what was expected and gives a line that would be right.
 SampleTable read_samples(std::istream& text);
+
+/// An empty table with examples, for a spreadsheet.
+std::string sample_table_template();
 
 /// Throws SampleError for a table that cannot be fitted: no wavelengths or samples, numbers of values and
 /// wavelengths that differ, values that are not finite or negative, wavelengths that do not increase.

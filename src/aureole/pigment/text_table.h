@@ -13,6 +13,7 @@ namespace aureole::pigment {
 struct TextCell {
   std::string text;  ///< without surrounding blanks and quotes
   int column = 0;    ///< from 1
+  int line = 0;      ///< from 1, where it differs from the row's: in a table read by columns
 };
 
 struct TextRow {
@@ -20,9 +21,14 @@ struct TextRow {
   int line = 0;  ///< from 1
 };
 
-/// Reads all lines except empty ones and lines that begin with '#'. A cell that contains a comma must be in
-/// double quotes. Throws TextError for an unterminated quote, and for more than 100,000 lines.
-std::vector<TextRow> read_text_table(std::istream& text);
+/// Reads all lines except empty ones and lines that begin with '#'. A cell that contains the separator must be in
+/// double quotes; a quote within is doubled. Throws TextError for an unterminated quote, and for more than 100,000
+/// lines.
+std::vector<TextRow> read_text_table(std::istream& text, char separator = ',');
+
+/// Text as UTF-8: UTF-16 with or without a byte order mark is converted, a byte order mark is removed, and line ends
+/// of "\r" alone become "\n".
+std::string utf8_text(std::string bytes);
 
 /// Returns the text as a finite number, or nothing if it is not one.
 std::optional<double> finite_number(std::string_view text);

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
+#include "aureole/pigment/cgats_text.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
@@ -153,8 +155,10 @@ TEST(PigmentSamples, PlacesOfErrors) {
   where("# comment\n\npaints,500\nwhite,bright\n", 4, 7);
   where("paints,500\nwhite,nan\n", 2, 7);
   where("paints,500\nwhite\n", 2, 0);
-  where("paints,500,400\n", 1, 12);
-  where("paint,500\n", 1, 1);
+  where("paints,500,400,500\n", 1, 12);
+  where("paints,colour,500\n", 1, 8);
+  where("nm\twhite\tred\n500\t0.9\t0.5\n600\t0.9\tdark\n", 3, 9);
+  where("paints;500\nwhite;0,9\nred;0,x\n", 3, 5);
   where("paints,sample\nwhite,x\n", 1, 0);
   where("paints,unit,500\nwhite,per mille,80\n", 2, 7);
   where("paints,thickness_um,500\nwhite,0,0.8\n", 2, 7);
@@ -162,6 +166,87 @@ TEST(PigmentSamples, PlacesOfErrors) {
   where("paints,500\n\"red,0.8\n", 2, 1);
   where("", 0, 0);
   EXPECT_NEAR(table_of("paints,unit,500\nwhite,percent,80\n").samples[0].values[0], 0.8, 1e-15);
+}
+
+/// One table in the forms that laboratories write.
+TEST(PigmentSamples, AsLaboratoriesWriteThem) {
+  const auto noted = [](const SampleTable& t, const std::string& part) {
+    return std::any_of(t.notes.begin(), t.notes.end(),
+                       [&](const std::string& n) { return n.find(part) != n.npos; });
+  };
+  const auto expect = [](const SampleTable& t, const std::string& from) {
+    ASSERT_EQ(t.nm, (std::vector<double>{400, 500, 700})) << from;
+    ASSERT_EQ(t.samples.size(), 2u) << from;
+    EXPECT_EQ(t.samples[0].paints[0].name, "white") << from;
+    ASSERT_EQ(t.samples[1].paints.size(), 2u) << from;
+    EXPECT_NEAR(t.samples[1].paints[0].fraction, 0.1, 1e-12) << from;
+    const double values[2][3] = {{0.821, 0.902, 0.91}, {0.401, 0.455, 0.802}};
+    for (std::size_t s = 0; s < 2; ++s)
+      for (std::size_t l = 0; l < 3; ++l) EXPECT_NEAR(t.samples[s].values[l], values[s][l], 1e-12) << from;
+  };
+  const std::string plain =
+      "paints,unit,400,500,700\nwhite,percent,82.1,90.2,91\nred: 1 + white: 9,percent,40.1,45.5,80.2\n";
+  expect(table_of(plain), "plain");
+  EXPECT_TRUE(table_of(plain).notes.empty());
+  const std::string german =
+      "Messung 17\r\nGer\xC3\xA4t;SP\r\n\r\nPaints;R 400 nm;R500nm;R_700;L*\r\nwhite;82,1;90,2;91;90\r\n"
+      "\"red: 1 + white: 9\";40,1;45,5;80,2;70\r\n";
+  const SampleTable from_german = table_of(german);
+  expect(from_german, "semicolons and decimal commas");
+  EXPECT_EQ(from_german.samples[1].line, 6);
+  for (const char* part : {"begins in line 4; 2 lines", "\"L*\" is not used", "decimal commas", "per cent"})
+    EXPECT_TRUE(noted(from_german, part)) << part;
+  std::string wide = "\xFF\xFE";
+  for (const char c : plain) wide += {c, '\0'};
+  expect(table_of(wide), "UTF-16");
+  std::string big;
+  for (const char c : plain) big += {'\0', c};
+  expect(table_of(big), "UTF-16 without a mark, big endian");
+  expect(table_of("\xEF\xBB\xBFPAINTS\t%R700\t%R500\t%R400\nwhite\t91\t90.2\t82.1\n"
+                  "red: 1 + white: 9\t80.2\t45.5\t40.1\n"),
+         "tabs, per cent in headings, descending");
+  const SampleTable down =
+      table_of("Wavelength (nm),white,red: 1 + white: 9\n700,0.91,0.802\n500,0.902,0.455\n400,0.821,0.401\n");
+  expect(down, "wavelengths down");
+  EXPECT_EQ(down.samples[1].lines, (std::vector<int>{4, 3, 2}));
+  expect(
+      table_of(
+          "paints;white;red: 1 + white: 9\nbacking;;\nnm400;0,821;0,401\nnm500;0,902;0,455\nnm700;0,91;0,802\n"),
+      "wavelengths down with keys");
+
+  const SampleTable repeats = table_of("paints,400,500,400,500\nwhite,0.8,0.9,0.82,0.92\n");
+  ASSERT_EQ(repeats.samples.size(), 2u);
+  EXPECT_EQ(repeats.samples[1].values, (std::vector<double>{0.82, 0.92}));
+  EXPECT_TRUE(noted(repeats, "repeats"));
+  const SampleTable thin = table_of("paints,backing,thickness_um,400,500\nwhite,0.1,0.024,0.5,0.5\n");
+  EXPECT_TRUE(noted(thin, "0.024 um is thinner than a wavelength"));
+  EXPECT_NEAR(
+      table_of("paints,backing,thickness (mm),400,500\nwhite,0.1,0.024,0.5,0.5\n").samples[0].thickness,
+      24e-6, 1e-18);
+  EXPECT_TRUE(noted(table_of("paints,400,500\nred: 10.4 + white: 89.9,0.5,0.5\n"), "sum to 100.3"));
+  EXPECT_TRUE(table_of("paints,400,500\nred: 1 + white: 89,0.5,0.5\n").notes.size() == 1);
+  EXPECT_TRUE(table_of("paints,400,500\nred: 1 + white: 9,0.5,0.5\n").notes.empty());
+  EXPECT_EQ(table_of("sample,specimen,series,paints,400,500\na,1,b,white,0.5,0.5\n").samples[0].series, "b");
+}
+
+TEST(PigmentSamples, CgatsWithWavelengthsInTheData) {
+  std::istringstream text(
+      "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SERIES SPECTRAL_NM SPECTRAL_DEC SPECTRAL_NM SPECTRAL_DEC\n"
+      "END_DATA_FORMAT\nBEGIN_DATA\nwhite a 500 0.9 400 0.8\nred a 500 0.1 400 0.2\nEND_DATA\n");
+  const SampleTable t = read_cgats(text);
+  EXPECT_EQ(t.nm, (std::vector<double>{400, 500}));
+  EXPECT_EQ(t.samples[1].values, (std::vector<double>{0.2, 0.1}));
+  EXPECT_EQ(t.samples[1].series, "a");
+  std::istringstream other(
+      "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPECTRAL_NM SPECTRAL_PCT\nEND_DATA_FORMAT\nBEGIN_DATA\n"
+      "white 500 90\nred 510 10\nEND_DATA\n");
+  try {
+    read_cgats(other);
+    ADD_FAILURE();
+  } catch (const TextError& e) {
+    EXPECT_EQ(e.line(), 7);
+    EXPECT_NE(std::string(e.what()).find("wavelength of the first row, 500"), std::string::npos) << e.what();
+  }
 }
 
 TEST(PigmentRecipe, PartsAndPerCent) {

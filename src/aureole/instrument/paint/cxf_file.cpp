@@ -120,6 +120,10 @@ private:
         s.name = value;
       } else if (name == "backing" && !value.empty()) {
         s.backing = value;
+      } else if (name == "series") {
+        s.series = value;
+      } else if (name == "specimen") {
+        s.specimen = value;
       } else if (name == "thickness_um") {
         s.thickness = 1e-6 * number(tag, value, "the tag thickness_um");
         if (!(s.thickness > 0)) fail(tag, "the tag thickness_um must be positive, got " + value);

@@ -11,6 +11,7 @@
 #include "aureole/pigment/cgats_text.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/text_table.h"
 
 namespace aureole {
 namespace {
@@ -101,6 +102,8 @@ pigment::SampleTable sample_document(const Item& document) {
              : s.paints.size() == 1 ? s.paints[0].name
                                     : pigment::recipe_text(s.paints);
     if (item.has("backing")) s.backing = item.at("backing").text();
+    if (item.has("series")) s.series = item.at("series").text();
+    if (item.has("specimen")) s.specimen = item.at("specimen").text();
     if (item.has("thickness_um")) {
       s.thickness = 1e-6 * item.at("thickness_um").number();
       if (!(s.thickness > 0)) item.at("thickness_um").fail("must be positive");
@@ -141,38 +144,18 @@ pigment::SampleTable read_json_samples(const std::string& file) {
   return item.is_array() ? paint_mixing(item) : sample_document(item);
 }
 
-/// Calls f() and adds the location in the file to errors about the table.
-template <class F>
-auto located(const std::string& file, const pigment::SampleTable& table, F&& f) {
-  try {
-    return f();
-  } catch (const pigment::SampleError& e) {
-    const pigment::Sample& s = table.samples[e.sample()];
-    const bool has_column = e.wavelength() >= 0 && std::size_t(e.wavelength()) < s.columns.size();
-    const std::string key =
-        s.line > 0
-            ? ""
-            : "samples[" + std::to_string(e.sample()) + "]" +
-                  (e.wavelength() >= 0 ? ".values[" + std::to_string(e.wavelength()) + "]" : "") + ": ";
-    throw Error({file, s.line, has_column ? s.columns[std::size_t(e.wavelength())] : 0}, key + e.what());
-  } catch (const std::domain_error& e) {
-    throw Error({file, 0, 0}, e.what());
-  }
-}
-
 /// Detects the format by the extension, or else by the beginning of the text. CGATS has many extensions:
 /// .txt, .cgats, .ti3, .sp, .it8.
-std::string kind_of(const std::string& file) {
+std::string kind_of(const std::string& file, const std::string& text) {
   const std::string ending = pigment::lower_case(file.substr(std::min(file.rfind('.'), file.size())));
   if (ending == ".json") return "json";
   if (ending == ".cxf") return "cxf";
   if (ending == ".csv") return "csv";
   if (ending == ".cgats") return "cgats";
-  std::istringstream stream = read_table_file(file);
+  std::istringstream stream(text);
   std::string line;
   bool is_first = true;
   for (int number = 0; number < 1000 && std::getline(stream, line); ++number) {
-    if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     const auto first = line.find_first_not_of(" \t\r");
     if (first == line.npos) continue;
     if (is_first && line[first] == '<') return "cxf";
@@ -187,26 +170,42 @@ std::string kind_of(const std::string& file) {
 pigment::SampleTable read_sample_file(const std::string& file) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
-  const std::string kind = kind_of(file);
+  const std::string text = pigment::utf8_text(read_table_file(file).str());
+  const std::string kind = kind_of(file, text);
   if (kind == "json") {
     table = read_json_samples(file);
   } else if (kind == "cxf") {
     table = read_cxf_file(file);
   } else {
-    std::istringstream stream = read_table_file(file);
+    std::istringstream stream(text);
     try {
       table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream);
     } catch (const pigment::TextError& e) {
       throw Error({file, e.line(), e.column()}, e.what());
     }
   }
-  located(file, table, [&] { return pigment::check(table), 0; });
+  located_in(file, table, [&] { return pigment::check(table), 0; });
   return table;
+}
+
+void rethrow_located(const std::string& file, const pigment::SampleTable& table,
+                     const std::domain_error& error) {
+  const auto* of_sample = dynamic_cast<const pigment::SampleError*>(&error);
+  if (!of_sample) throw Error({file, 0, 0}, error.what());
+  const pigment::Sample& s = table.samples[of_sample->sample()];
+  const int wavelength = of_sample->wavelength();
+  const bool has_column = wavelength >= 0 && std::size_t(wavelength) < s.columns.size();
+  const std::string key =
+      s.line > 0 ? ""
+                 : "samples[" + std::to_string(of_sample->sample()) + "]" +
+                       (wavelength >= 0 ? ".values[" + std::to_string(wavelength) + "]" : "") + ": ";
+  const int line = has_column && !s.lines.empty() ? s.lines[std::size_t(wavelength)] : s.line;
+  throw Error({file, line, has_column ? s.columns[std::size_t(wavelength)] : 0}, key + error.what());
 }
 
 pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
                       const pigment::FitSettings& settings) {
-  return located(file, table, [&] { return pigment::fit(table, settings); });
+  return located_in(file, table, [&] { return pigment::fit(table, settings); });
 }
 
 std::vector<pigment::Component> components_of(const pigment::Palette& palette,
@@ -219,7 +218,7 @@ std::vector<pigment::Component> components_of(const pigment::Palette& palette,
 
 json palette_json(const pigment::Palette& palette) {
   json out = {
-      {"unit", palette.relative ? "relative" : "1/m"},
+      {"unit", pigment::unit_name(palette)},
       {"surface",
        {{"seen", palette.surface.seen}, {"through", palette.surface.through}, {"k2", palette.surface.k2}}},
       {"wavelengths_nm", palette.nm},

@@ -24,6 +24,20 @@ namespace aureole {
 /// reads the built-in table of the library.
 pigment::SampleTable read_sample_file(const std::string& file);
 
+/// Throws an Error with the location in the file of an error about a table that was read from it.
+[[noreturn]] void rethrow_located(const std::string& file, const pigment::SampleTable& table,
+                                  const std::domain_error& error);
+
+/// Calls f(), which uses the table, and adds the location in the file to its errors.
+template <class F>
+auto located_in(const std::string& file, const pigment::SampleTable& table, F&& f) {
+  try {
+    return f();
+  } catch (const std::domain_error& e) {
+    rethrow_located(file, table, e);
+  }
+}
+
 /// Calls `pigment::fit`, with errors located in the file.
 pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
                       const pigment::FitSettings& settings);

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pigment/joint_fit_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "aureole/core/error.h"
+#include "aureole/core/parallel.h"
+#include "aureole/core/units.h"
+#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/paint/paint_files.h"
+#include "aureole/pigment/hold_out.h"
+#include "messages.h"
+
+namespace aureole {
+namespace {
+
+/// A specimen whose fit is off by more than this rms is named.
+constexpr double kWellFitted = 0.005;
+/// K or S with a larger relative error is taken for unknown.
+constexpr double kKnown = 0.3;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / double(values.size());
+}
+
+/// CIEDE2000 of a specimen: the mean over its reflectances.
+std::map<std::string, double> differences(const pigment::SampleTable& table,
+                                          const std::vector<pigment::HeldOut>& held,
+                                          const pigment::Observation& lamp) {
+  std::map<std::string, double> all;
+  for (const pigment::HeldOut& h : held) {
+    std::vector<double> each;
+    for (std::size_t i = 0; i < h.predictions.size(); ++i) {
+      const pigment::Sample& s = table.samples[h.samples[i]];
+      if (s.quantity == pigment::Sample::Quantity::reflectance)
+        each.push_back(pigment::ciede2000(lamp.lab(s.values), lamp.lab(h.predictions[i].values)));
+    }
+    if (!each.empty()) all[h.specimen] = mean(each);
+  }
+  return all;
+}
+
+/// Fraction of measured values within the 90 % intervals of their predictions.
+double coverage(const pigment::SampleTable& table, const std::vector<pigment::HeldOut>& held) {
+  constexpr double kNormal90 = 1.6449;
+  int inside = 0, count = 0;
+  for (const pigment::HeldOut& h : held)
+    for (std::size_t i = 0; i < h.predictions.size(); ++i)
+      for (std::size_t l = 0; l < table.nm.size(); ++l, ++count)
+        inside += std::abs(h.predictions[i].values[l] - table.samples[h.samples[i]].values[l]) <=
+                  kNormal90 * h.predictions[i].error[l];
+  return count ? double(inside) / count : 0;
+}
+
+pigment::StreamsSettings streams_settings(const SurfaceOptions& o) {
+  pigment::StreamsSettings s;
+  s.index = o.given() && o.geometry != "none" ? o.index : 1;
+  s.geometry = o.geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
+               : o.geometry == "45_0"  ? pigment::Geometry::angle_45_0
+                                       : pigment::Geometry::diffuse_8;
+  s.specular = o.specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
+  return s;
+}
+
+/// One theory's fit, and what it predicts of specimens kept back.
+struct Candidate {
+  std::string name;
+  std::unique_ptr<pigment::FilmTheory> theory;
+  std::unique_ptr<pigment::JointFit> fit;
+  std::vector<pigment::HeldOut> held;
+  std::map<std::string, double> difference;
+
+  /// Smaller is better: the held-out error if there is one, or the cost of the fit.
+  double merit() const {
+    if (difference.empty()) return fit->cost();
+    std::vector<double> all;
+    for (const auto& [name, d] : difference) all.push_back(d);
+    return mean(all);
+  }
+};
+
+std::string ranges(const std::vector<double>& nm, const std::vector<bool>& marked) {
+  std::string text;
+  for (std::size_t i = 0; i < nm.size(); ++i) {
+    if (!marked[i] || (i > 0 && marked[i - 1])) continue;
+    std::size_t last = i;
+    while (last + 1 < nm.size() && marked[last + 1]) ++last;
+    text += (text.empty() ? "" : ", ") +
+            (last == i ? fmt::format("{:g}", nm[i]) : fmt::format("{:g} to {:g}", nm[i], nm[last]));
+  }
+  return text;
+}
+
+double median_ratio(const std::vector<double>& errors, const std::vector<double>& values) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < values.size(); ++i) ratios.push_back(errors[i] / values[i]);
+  return 100 * median(ratios);
+}
+
+void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
+  const pigment::Palette& palette = fit.palette();
+  const std::vector<double> volumes = fit.specific_volumes();
+  fmt::print("\n{:<24} {:>8} {:>10} {:>10} {:>10}  only K/S is known at (nm)\n", "paint", "volume",
+             "error of K", "error of S", "of K/S");
+  for (std::size_t p = 0; p < palette.pigments.size(); ++p) {
+    const pigment::Pigment& one = palette.pigments[p];
+    const std::vector<double>& ratio = fit.ratio_error()[p];
+    std::vector<bool> hidden(palette.nm.size());
+    for (std::size_t l = 0; l < palette.nm.size(); ++l)
+      hidden[l] = one.s_error[l] > kKnown * one.s[l] && ratio[l] <= kKnown;
+    fmt::print("{:<24} {:>8.2f} {:>8.1f} % {:>8.1f} % {:>8.1f} %  {}\n", one.name, volumes[p],
+               median_ratio(one.k_error, one.k), median_ratio(one.s_error, one.s), 100 * median(ratio),
+               ranges(palette.nm, hidden));
+    nlohmann::json& json = out["pigments"][p]["fit"];
+    json["method"] = "joint", json["specific_volume"] = volumes[p], json["ln_k_over_s_error"] = ratio;
+    json["only_k_over_s_known"] = hidden;
+  }
+  fmt::print(
+      "Errors are medians over wavelengths of one standard deviation. Volume: per mass, relative to the mean paint.\n");
+}
+
+void print_specimens(const pigment::SampleTable& table, const pigment::JointFit& fit, nlohmann::json& out) {
+  const std::vector<pigment::SpecimenReport> all = fit.specimens(true);
+  int well = 0;
+  for (const pigment::SpecimenReport& r : all) well += r.rms <= kWellFitted;
+  fmt::print("\n{} of {} specimens are fitted within {:g} % rms.", well, all.size(), 100 * kWellFitted);
+  if (well < int(all.size())) {
+    fmt::print(" Outliers:\n{:<24} {:>8} {:>8}  {:<34} {:>9}\n", "specimen", "rms", "weight", "worst",
+               "thickness");
+    for (const pigment::SpecimenReport& r : all) {
+      if (r.rms <= kWellFitted) continue;
+      const pigment::Sample& s = table.samples[r.worst_sample];
+      fmt::print("{:<24} {:>6.2f} % {:>8.2f}  {:<34} {:>9.2f}\n", r.name, 100 * r.rms, r.weight,
+                 fmt::format("{:+.1f} % at {:g} nm, {}", 100 * r.worst, r.worst_nm, s.name), r.thickness);
+    }
+  } else {
+    fmt::print("\n");
+  }
+  bool first = true;
+  for (const pigment::SpecimenReport& r : all)
+    for (const pigment::SpecimenReport::Dose& d : r.doses) {
+      // Deviations of more than 15 % that the data tell: beyond twice their error.
+      if (std::abs(std::log(d.factor)) < 0.15 || std::abs(std::log(d.factor)) < 2 * d.error / d.factor)
+        continue;
+      if (first) fmt::print("\nAmounts that the colours contradict:\n");
+      first = false;
+      fmt::print("  {}: {:.0f} % {} of {} than stated fits (+- {:.0f} %)\n", r.name,
+                 100 * std::abs(d.factor - 1), d.factor > 1 ? "more" : "less", d.paint, 100 * d.error);
+    }
+  for (const pigment::SpecimenReport& r : all) {
+    nlohmann::json one = {{"specimen", r.name},       {"rms", r.rms},
+                          {"weight", r.weight},       {"outlier", r.rms > kWellFitted},
+                          {"thickness", r.thickness}, {"thickness_error", r.thickness_error}};
+    for (const pigment::SpecimenReport::Dose& d : r.doses)
+      one["amounts"][d.paint] = {{"factor", d.factor}, {"error", d.error}};
+    out["specimens"].push_back(std::move(one));
+  }
+}
+
+/// Colour differences of specimens that were kept back, by theory, beside the plain fit's.
+void print_held_out(const pigment::SampleTable& table, const std::vector<Candidate>& candidates,
+                    const std::map<std::string, double>& plain, const std::string& white,
+                    const std::string& black, const std::string& illuminant, nlohmann::json& out) {
+  fmt::print("\nSpecimens kept back and predicted from the others, CIEDE2000 ({}):\n{:<24} {:>10}",
+             illuminant, "specimen", "plain");
+  for (const Candidate& c : candidates) fmt::print(" {:>11}", c.name);
+  fmt::print("\n");
+  std::vector<std::string> names, determined;
+  for (const pigment::HeldOut& h : candidates.front().held) {
+    const auto base = plain.find(h.specimen);
+    fmt::print("{:<24} {:>10}", h.specimen, base == plain.end() ? "-" : fmt::format("{:.2f}", base->second));
+    bool all = base != plain.end();
+    nlohmann::json one = {{"specimen", h.specimen}};
+    if (all) one["plain"] = base->second;
+    for (const Candidate& c : candidates) {
+      const auto d = c.difference.find(h.specimen);
+      all = all && d != c.difference.end();
+      fmt::print(" {:>11}", d == c.difference.end() ? "-" : fmt::format("{:.2f}", d->second));
+      if (d != c.difference.end()) one[c.name] = d->second;
+    }
+    const bool told = pigment::is_determined(table, h.specimen, white, black);
+    fmt::print("{}{}\n", told ? "" : "  (no other tint tells how its paint scatters)",
+               h.reason.empty() ? "" : "  " + h.reason);
+    one["determined"] = told;
+    out["held_out"]["specimens"].push_back(std::move(one));
+    if (!all) continue;
+    names.push_back(h.specimen);
+    if (told) determined.push_back(h.specimen);
+  }
+  const auto summary = [&](const std::string& title, const std::vector<std::string>& of,
+                           const std::string& key) {
+    if (of.empty()) return;
+    const auto line = [&](const std::string& name, const std::map<std::string, double>& of_theory) {
+      std::vector<double> values, ratios;
+      int better = 0;
+      for (const std::string& n : of) {
+        values.push_back(of_theory.at(n)), ratios.push_back(of_theory.at(n) / plain.at(n));
+        better += of_theory.at(n) < plain.at(n);
+      }
+      fmt::print("  {:<12} mean {:5.2f}, median {:5.2f}, largest {:6.2f}", name, mean(values), median(values),
+                 *std::max_element(values.begin(), values.end()));
+      nlohmann::json& json = out["held_out"][key][name];
+      json = {{"count", of.size()}, {"mean", mean(values)}, {"median", median(values)}};
+      if (&of_theory != &plain) {
+        fmt::print("; paired with plain: median ratio {:.2f}, better on {} of {}", median(ratios), better,
+                   of.size());
+        json["median_ratio"] = median(ratios), json["better"] = better;
+      }
+      fmt::print("\n");
+    };
+    fmt::print("{} ({}):\n", title, of.size());
+    line("plain", plain);
+    for (const Candidate& c : candidates) line(c.name, c.difference);
+  };
+  summary("All that are predicted", names, "all");
+  if (determined.size() < names.size())
+    summary("Of these, those whose paints other tints determine", determined, "determined");
+  for (const Candidate& c : candidates) {
+    const double covered = coverage(table, c.held);
+    fmt::print("90 % intervals of {} cover {:.1f} % of the measured reflectances.\n", c.name, 100 * covered);
+    out["held_out"]["coverage"][c.name] = covered;
+  }
+}
+
+}  // namespace
+
+void JointOptions::declare(CommandOptions& options) {
+  options.add(
+      "--joint", joint,
+      "fit all measurements together, with thickness and amounts as unknowns; films over cards need no "
+      "thickness");
+  options
+      .add("--theory", theory, "with --joint: two-flux, streams, or best: both, and the better one is kept")
+      .one_of({"two-flux", "streams", "best"})
+      .shows_default();
+  options
+      .add(
+          "--hold-out", hold_out,
+          "with --joint: specimens to keep back together and predict, A,B; a number of groups; or each: every "
+          "mixture by itself")
+      .separated_by(',');
+  options.add("--black", black, "with --hold-out: name of the black paint of the shades").shows_default();
+  options.add("--noise", settings.noise, "with --joint: error of a reflectance (0 to 1) besides 5 % of it")
+      .between(1e-5, 0.2)
+      .shows_default();
+  options
+      .add("--thickness-error", settings.thickness,
+           "with --joint: relative error of a film's thickness that is not stated")
+      .between(0.0, 3.0)
+      .shows_default();
+  options.add("--amount-error", settings.dose, "with --joint: relative error of the amounts in mixtures")
+      .between(0.0, 3.0)
+      .shows_default();
+}
+
+JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& table,
+                         const JointOptions& options, const SurfaceOptions& surface, const std::string& white,
+                         const std::string& illuminant, nlohmann::json& out) {
+  const pigment::Observation lamp = observe(illuminant, table.nm);
+  const bool keeps_back = !options.hold_out.empty();
+  return located_in(file, table, [&] {
+    std::vector<Candidate> candidates;
+    const auto add = [&](std::unique_ptr<pigment::FilmTheory> theory) {
+      Candidate& c = candidates.emplace_back();
+      c.theory = std::move(theory), c.name = c.theory->name();
+      c.fit = std::make_unique<pigment::JointFit>(table, *c.theory, options.settings);
+    };
+    const bool free_films =
+        std::any_of(table.samples.begin(), table.samples.end(),
+                    [](const pigment::Sample& s) { return !s.paints.empty() && s.backing == "none"; });
+    if (options.theory != "streams") add(pigment::two_flux_theory(surface.surface()));
+    if (options.theory == "streams" || (options.theory == "best" && !free_films))
+      add(pigment::streams_theory(streams_settings(surface)));
+    if (options.theory == "best" && free_films)
+      tell("note: {}: the theory by streams has no free films; two fluxes are fitted alone\n", file);
+
+    for (const std::string& note : pigment::joint_notes(*candidates.front().fit))
+      tell("note: {}: {}\n", file, note);
+
+    std::map<std::string, double> plain;
+    if (keeps_back) {
+      for (const auto& [option, name] : {std::pair{"--white", white}, {"--black", options.black}})
+        if (!candidates.front().fit->palette().find(name))
+          tell("note: {}: no paint is called \"{}\" ({}); the plain fit goes without it\n", file, name,
+               option);
+      const pigment::HoldOutGroups groups = pigment::hold_out_groups(table, options.hold_out);
+      for (Candidate& c : candidates) {
+        c.held = pigment::hold_out(table, *c.theory, options.settings, groups, *c.fit, true, for_ranges);
+        c.difference = differences(table, c.held, lamp);
+      }
+      const auto two = pigment::two_flux_theory(surface.surface());
+      plain = differences(
+          table, pigment::hold_out_plain(table, *two, groups, white, options.black, for_ranges), lamp);
+    }
+    Candidate& best =
+        *std::min_element(candidates.begin(), candidates.end(),
+                          [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
+    best.fit->with_errors();
+    pigment::Palette palette = best.fit->palette();
+    palette.surface = surface.surface();
+
+    std::set<std::string> specimens;
+    int measurements = 0;
+    for (const pigment::Sample& s : table.samples)
+      if (!s.paints.empty()) specimens.insert(pigment::specimen_key(s)), ++measurements;
+    fmt::print(
+        "{}: {} paints, {} specimens, {} measurements, {} wavelengths from {:g} to {:g} nm; K and S {}\n",
+        file, palette.pigments.size(), specimens.size(), measurements, table.nm.size(), table.nm.front(),
+        table.nm.back(), palette.relative ? "per film" : "per metre");
+    out.update(palette_json(palette));
+    for (const Candidate& c : candidates) {
+      std::vector<double> rms;
+      for (const pigment::SpecimenReport& r : c.fit->specimens()) rms.push_back(100 * r.rms);
+      fmt::print(
+          "{:<12} sum of squares {:.0f} in {} steps; rms of a specimen: median {:.2f} %, largest {:.2f} %{}\n",
+          c.name + ":", c.fit->cost(), c.fit->iterations(), median(rms),
+          *std::max_element(rms.begin(), rms.end()), &c == &best && candidates.size() > 1 ? " (kept)" : "");
+      out["theories"][c.name] = {
+          {"cost", c.fit->cost()}, {"median_rms_percent", median(rms)}, {"kept", &c == &best}};
+    }
+    if (best.name == "streams")
+      fmt::print(
+          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g); `mix` and `match` use them with two fluxes.\n");
+    print_paints(*best.fit, out);
+    print_specimens(table, *best.fit, out);
+    if (keeps_back) print_held_out(table, candidates, plain, white, options.black, illuminant, out);
+    return JointPalette{palette, best.fit->ratio_error()};
+  });
+}
+
+}  // namespace aureole

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/pigment/film_theory.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "aureole/optics/stack/plane_stack.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
+
+namespace aureole::pigment {
+namespace {
+
+/// Value and derivatives of R = 1/(a + b coth(b S)) and T^2 enter through R over a substrate Rg:
+///     R = (1 - Rg (a - c))/(a + c - Rg),  a = 1 + K/S,  b^2 = a^2 - 1,  c = b coth(b S)  (Kubelka 1948, (16)).
+FilmValue two_flux_over(double ln_k, double ln_s, double substrate) {
+  const double k = std::exp(ln_k), s = std::exp(ln_s), ratio = k / s;
+  const double a = 1 + ratio, b = std::sqrt(ratio * (2 + ratio)), z = b * s;
+  // c and its derivatives by the ratio at fixed S, and by ln S at a fixed ratio.
+  double c, c_by_ratio, c_by_ln_s;
+  if (z < 1e-3) {
+    // c = 1/S + z b/3 + ..., where z b = b^2 S.
+    c = 1 / s + b * z / 3;
+    c_by_ratio = 2 * a * s / 3;
+    c_by_ln_s = -1 / s + b * z / 3;
+  } else {
+    const double coth = 1 / std::tanh(z), csch2 = z > 300 ? 0 : 1 / (std::sinh(z) * std::sinh(z));
+    c = b * coth;
+    c_by_ratio = (coth - z * csch2) * a / b;  // db/dratio = a/b
+    c_by_ln_s = -b * z * csch2;
+  }
+  const double top = 1 - substrate * (a - c), bottom = a + c - substrate;
+  const double value = top / bottom;
+  const double by_a = (-substrate - value) / bottom, by_c = (substrate - value) / bottom;
+  FilmValue result;
+  result.value = value;
+  result.by_ln_k = (by_a + by_c * c_by_ratio) * ratio;
+  result.by_ln_s = -result.by_ln_k + by_c * c_by_ln_s;
+  result.by_substrate = (value - (a - c)) / bottom;
+  return result;
+}
+
+class TwoFlux final : public FilmTheory {
+public:
+  explicit TwoFlux(const Surface& surface) : surface_(surface) {}
+
+  std::string name() const override { return "two fluxes"; }
+
+  double card(double measured) const override {
+    const double body = std::max(0.0, measured - surface_.seen);
+    return std::min(1.0, body / (surface_.through + surface_.k2 * body));
+  }
+
+  FilmValue over(double ln_k, double ln_s, double substrate) const override {
+    return seen(two_flux_over(ln_k, ln_s, substrate));
+  }
+
+  FilmValue opaque(double ln_k, double ln_s) const override {
+    const double ratio = std::exp(std::min(ln_k - ln_s, 40.0)), root = std::sqrt(ratio * (2 + ratio));
+    FilmValue r;
+    r.value = 1 / (1 + ratio + root);
+    r.by_ln_k = -r.value * ratio / root;
+    r.by_ln_s = -r.by_ln_k;
+    return seen(r);
+  }
+
+  FilmValue free_reflectance(double ln_k, double ln_s) const override { return free(ln_k, ln_s, true); }
+  FilmValue free_transmittance(double ln_k, double ln_s) const override { return free(ln_k, ln_s, false); }
+
+private:
+  FilmValue seen(FilmValue r) const {
+    const double left = 1 - surface_.k2 * r.value, slope = surface_.through / (left * left);
+    r.value = surface_.seen + surface_.through * r.value / left;
+    r.by_ln_k *= slope, r.by_ln_s *= slope, r.by_substrate *= slope;
+    return r;
+  }
+
+  double free_value(double ln_k, double ln_s, bool reflected) const {
+    const LayerTransfer t = outer_transfer(surface_, layer({std::exp(ln_k), std::exp(ln_s)}, 1));
+    return reflected ? t.reflectance : t.transmittance;
+  }
+
+  FilmValue free(double ln_k, double ln_s, bool reflected) const {
+    constexpr double kStep = 1e-4;
+    FilmValue r;
+    r.value = free_value(ln_k, ln_s, reflected);
+    r.by_ln_k =
+        (free_value(ln_k + kStep, ln_s, reflected) - free_value(ln_k - kStep, ln_s, reflected)) / (2 * kStep);
+    r.by_ln_s =
+        (free_value(ln_k, ln_s + kStep, reflected) - free_value(ln_k, ln_s - kStep, reflected)) / (2 * kStep);
+    return r;
+  }
+
+  Surface surface_;
+};
+
+/// A film over a Lambertian card of inner reflectance r reflects body + down r up/(1 - inside r).
+struct FilmParts {
+  double body = 0;    ///< light that never reached the card
+  double down = 0;    ///< fraction of the incident light that arrives at the card
+  double up = 0;      ///< fraction of the card's diffuse light that the instrument receives
+  double inside = 0;  ///< fraction of the card's diffuse light that comes back to it
+};
+
+class Streams final : public FilmTheory {
+public:
+  explicit Streams(const StreamsSettings& settings) : settings_(settings) {
+    if (!(settings.index >= 1 && settings.index <= 4))
+      throw std::domain_error("the binder's index must be in [1, 4]");
+    if (!(std::abs(settings.g) <= 0.95)) throw std::domain_error("the mean cosine must be in [-0.95, 0.95]");
+    nodes_.reserve(kAcross * kDown);
+    for (int i = 0; i < kAcross; ++i)
+      for (int j = 0; j < kDown; ++j)
+        nodes_.push_back(logarithms(solve(std::exp(kFirstK + kStep * i), std::exp(kFirstS + kStep * j))));
+    // Without a film, by the interface alone.
+    const FilmParts bare = solve(1e-9, 1e-9);
+    bare_ = bare.down * bare.up, bare_inside_ = bare.inside;
+    const auto reflected = [&] {
+      optics::StackDescription stack;
+      stack.layers = {{0, 0, 1, optics::LegendrePhase::isotropic(), settings.index}};
+      stack.index_below = settings.index;
+      return optics::PlaneStack(stack, {settings.streams}).fluxes(light()).unscattered_reflectance;
+    };
+    gloss_ = settings.specular == Specular::included && settings.geometry != Geometry::angle_45_0
+                 ? reflected()
+                 : 0;
+  }
+
+  std::string name() const override { return "streams"; }
+
+  double card(double measured) const override {
+    const double body = std::max(0.0, measured - gloss_);
+    return std::min(1.0, body / (bare_ + bare_inside_ * body));
+  }
+
+  FilmValue over(double ln_k, double ln_s, double substrate) const override {
+    const Interpolated p = at(ln_k, ln_s);
+    const double body = std::exp(p.value[0]), pass = std::exp(p.value[1] + p.value[2]), inside = p.value[3];
+    const double left = 1 - inside * substrate, through = pass * substrate / left;
+    const auto slope = [&](const std::array<double, 4>& d) {
+      return body * d[0] + through * (d[1] + d[2] + substrate * d[3] / left);
+    };
+    return {gloss_ + body + through, slope(p.by_k), slope(p.by_s), pass / (left * left)};
+  }
+
+  FilmValue opaque(double ln_k, double ln_s) const override {
+    const double shift = std::min(kLastS - ln_s, kLastK - ln_k);
+    FilmValue r = over(ln_k + shift, ln_s + shift, 0);
+    // The reflectance depends on K/S alone; the table's remaining dependence on thickness is removed.
+    r.by_ln_k = 0.5 * (r.by_ln_k - r.by_ln_s), r.by_ln_s = -r.by_ln_k, r.by_substrate = 0;
+    return r;
+  }
+
+  FilmValue free_reflectance(double, double) const override { return no_free_film(); }
+  FilmValue free_transmittance(double, double) const override { return no_free_film(); }
+
+private:
+  static constexpr double kStep = 0.125, kFirstK = -11.5, kLastK = 5.5, kFirstS = -6.5, kLastS = 7.25;
+  static constexpr int kAcross = int((kLastK - kFirstK) / kStep) + 1,
+                       kDown = int((kLastS - kFirstS) / kStep) + 1;
+
+  using Node = std::array<float, 4>;  ///< ln body, ln down, ln up, inside
+  struct Interpolated {
+    std::array<double, 4> value, by_k, by_s;
+  };
+
+  [[noreturn]] static FilmValue no_free_film() {
+    throw std::domain_error("free films are not part of the theory by streams; use two fluxes");
+  }
+
+  /// Light as the instrument sends it; by reciprocity d:8 is 8:d.
+  optics::StackLight light() const {
+    switch (settings_.geometry) {
+      case Geometry::diffuse_diffuse:
+        return optics::StackLight::diffuse();
+      case Geometry::diffuse_8:
+        return optics::StackLight::beam(std::cos(8 * std::numbers::pi / 180));
+      case Geometry::angle_45_0:
+        return optics::StackLight::beam(std::numbers::sqrt2 / 2);
+    }
+    throw std::logic_error("no such geometry");
+  }
+
+  FilmParts solve(double k, double s) const {
+    optics::StackDescription stack;
+    stack.layers = {{k / 2, 4. / 3 * s / (1 - settings_.g), 1,
+                     optics::LegendrePhase::henyey_greenstein(settings_.g), settings_.index}};
+    stack.index_below = settings_.index;  // in contact with the card
+    const bool at_normal = settings_.geometry == Geometry::angle_45_0;
+    // Radiance along the normal has the azimuthal mode 0 only.
+    const optics::PlaneStack solver(stack, {settings_.streams, true, at_normal ? 1 : 0});
+    const optics::StackLight lights[] = {light(), optics::StackLight::diffuse(true)};
+    const auto fluxes = solver.fluxes(lights);
+    FilmParts parts{fluxes[0].reflectance - fluxes[0].unscattered_reflectance, fluxes[0].transmittance,
+                    fluxes[1].transmittance, fluxes[1].reflectance};
+    if (at_normal) {
+      const double normal[] = {1}, azimuth[] = {0};
+      const auto radiance = solver.radiance(lights, normal, azimuth);
+      parts.body = std::numbers::pi * radiance[0], parts.up = std::numbers::pi * radiance[1];
+    }
+    return parts;
+  }
+
+  static Node logarithms(const FilmParts& p) {
+    const auto ln = [](double x) { return float(std::log(std::max(x, 1e-30))); };
+    return {ln(p.body), ln(p.down), ln(p.up), float(p.inside)};
+  }
+
+  /// Weights and their derivatives of Catmull and Rom's cubic through four neighbours.
+  static void weights(double t, double w[4], double d[4]) {
+    const double t2 = t * t, t3 = t2 * t;
+    w[0] = 0.5 * (-t + 2 * t2 - t3), w[1] = 0.5 * (2 - 5 * t2 + 3 * t3);
+    w[2] = 0.5 * (t + 4 * t2 - 3 * t3), w[3] = 0.5 * (-t2 + t3);
+    d[0] = 0.5 * (-1 + 4 * t - 3 * t2), d[1] = 0.5 * (-10 * t + 9 * t2);
+    d[2] = 0.5 * (1 + 8 * t - 9 * t2), d[3] = 0.5 * (-2 * t + 3 * t2);
+  }
+
+  Interpolated at(double ln_k, double ln_s) const {
+    const double x = (std::clamp(ln_k, kFirstK, kLastK) - kFirstK) / kStep,
+                 y = (std::clamp(ln_s, kFirstS, kLastS) - kFirstS) / kStep;
+    const int i = std::clamp(int(x), 0, kAcross - 2), j = std::clamp(int(y), 0, kDown - 2);
+    double wx[4], dx[4], wy[4], dy[4];
+    weights(x - i, wx, dx), weights(y - j, wy, dy);
+    Interpolated r{};
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) {
+        const Node& node = nodes_[std::size_t(std::clamp(i + a - 1, 0, kAcross - 1) * kDown +
+                                              std::clamp(j + b - 1, 0, kDown - 1))];
+        for (std::size_t c = 0; c < 4; ++c) {
+          r.value[c] += wx[a] * wy[b] * double(node[c]);
+          r.by_k[c] += dx[a] * wy[b] * double(node[c]) / kStep;
+          r.by_s[c] += wx[a] * dy[b] * double(node[c]) / kStep;
+        }
+      }
+    return r;
+  }
+
+  StreamsSettings settings_;
+  std::vector<Node> nodes_;
+  double bare_ = 1, bare_inside_ = 0, gloss_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface) {
+  return std::make_unique<TwoFlux>(surface);
+}
+
+std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings) {
+  return std::make_unique<Streams>(settings);
+}
+
+}  // namespace aureole::pigment

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Theories of a film of paint over a card, in one form, so that data can choose between them: two fluxes with
+// Saunderson's interface, and transport (streams) with the interface's own reflection by angle.
+//
+// A film is described by K = 2 sigma_a X and S = 3/4 sigma_s (1 - g) X, with X its thickness
+// (transport_coefficients.h, `three_quarters`), in both theories. Fits work with ln K and ln S.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "aureole/pigment/saunderson.h"
+
+namespace aureole::pigment {
+
+/// A measured reflectance or transmittance by a theory, and its derivatives.
+struct FilmValue {
+  double value = 0;
+  double by_ln_k = 0, by_ln_s = 0;  ///< derivatives by ln K and ln S
+  double by_substrate = 0;          ///< derivative by the substrate's inner reflectance
+};
+
+class FilmTheory {
+public:
+  virtual ~FilmTheory() = default;
+  virtual std::string name() const = 0;
+  /// Inner reflectance, in [0, 1], of a card that was measured bare. The card is taken for a Lambertian surface
+  /// under an interface like the paint's. Values below the interface's own reflectance give 0.
+  virtual double card(double measured) const = 0;
+  /// A film over a card of this inner reflectance.
+  virtual FilmValue over(double ln_k, double ln_s, double substrate) const = 0;
+  /// A layer so thick that nothing below it matters; only K/S counts.
+  virtual FilmValue opaque(double ln_k, double ln_s) const = 0;
+  /// Reflectance or transmittance of a free film with an interface on each side. Throws std::domain_error if the
+  /// theory does not include free films.
+  virtual FilmValue free_reflectance(double ln_k, double ln_s) const = 0;
+  virtual FilmValue free_transmittance(double ln_k, double ln_s) const = 0;
+};
+
+/// Kubelka and Munk's two fluxes under a Saunderson interface.
+std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface);
+
+/// The interface and the phase function of the theory by streams.
+struct StreamsSettings {
+  double index = 1.5;  ///< of the binder, relative to air
+  double g = 0.8;      ///< mean cosine of Henyey and Greenstein's phase function
+  Geometry geometry = Geometry::diffuse_8;
+  Specular specular = Specular::excluded;
+  int streams = 16;
+};
+
+/// Radiative transfer by discrete ordinates (optics/stack). Solutions are tabulated once over ln K and ln S
+/// (some 0.5 s) and interpolated by cubic polynomials, with an error below 1e-4 in reflectance. Free films are
+/// not included.
+std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings);
+
+}  // namespace aureole::pigment

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits all measurements of a table at once: one weighted least-squares problem for K and S of every paint at
+// every wavelength, the thickness of every specimen, the amounts in every mixture, and cards without a
+// measurement.
+//
+// Unknowns are logarithms, so that K and S are positive. A specimen is all that was measured of one layer of
+// paint: over black and over white, repeats. A series is what was made in one session from the same batches of
+// paint; paints may differ between series.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aureole/pigment/film_theory.h"
+#include "aureole/pigment/paints.h"
+#include "aureole/pigment/samples.h"
+
+namespace aureole::pigment {
+
+/// Standard deviations that state what is known before the measurements. All but `noise` and `noise_relative`
+/// are of logarithms; 0 fixes the quantity.
+struct JointSettings {
+  /// Error of a measured reflectance R, the theory's own error included: noise + noise_relative R, added in
+  /// squares.
+  double noise = 0.01, noise_relative = 0.05;
+  double thickness = 0.15;         ///< of a specimen without a stated thickness, about the common one
+  double stated_thickness = 0.03;  ///< of a stated thickness
+  double dose = 0.1;               ///< of each paint's amount in a mixture
+  double specific_volume = 0.5;    ///< of a paint's volume per mass, relative to the others
+  double series_k = 0.25, series_s = 0.25;  ///< of a paint's K and S in one series about its mean over series
+  double step_k = 0.7, step_s = 0.2;        ///< of the change of K and S over 10 nm
+  double level_k = 3, level_s = 1.5;        ///< of K and S about the levels 0.4 and 7 per film
+  /// A specimen whose squared residuals are, on average, this many times the expected ones counts half. 0:
+  /// all count alike.
+  double outlier_scale = 9;
+  int iterations = 60;
+
+  /// Two-constant theory with nothing else unknown: equal thickness, amounts by mass as stated, equal errors,
+  /// no smoothness.
+  static JointSettings plain();
+};
+
+/// How a specimen agrees with the fit.
+struct SpecimenReport {
+  std::string name;
+  std::vector<std::size_t> samples;  ///< indices in the table
+  double rms = 0;                    ///< of fitted minus measured reflectance
+  double worst = 0;                  ///< the largest difference, with its sign
+  std::size_t worst_sample = 0;      ///< index in the table
+  double worst_nm = 0;
+  double weight = 1;                          ///< in the fit; below 1: down-weighted
+  double thickness = 1, thickness_error = 0;  ///< fitted over stated (or over the common) thickness
+  /// Fitted over stated amount of each paint of a mixture, relative to the other paints, and its standard error.
+  struct Dose {
+    std::string paint;
+    double factor = 1, error = 0;
+  };
+  std::vector<Dose> doses;
+};
+
+/// A predicted specimen.
+struct JointPrediction {
+  std::vector<double> values;  ///< at the table's wavelengths
+  std::vector<double> error;   ///< standard deviation of a new measurement about them; empty unless asked for
+};
+
+class JointSystem;
+
+class JointFit {
+public:
+  /// Throws SampleError for measurements that no fit can use, with the reason, and std::domain_error if data
+  /// are missing. `theory` must outlive the fit. Samples whose index is in `left_out` are not used, but
+  /// their bare substrates are.
+  JointFit(const SampleTable& table, const FilmTheory& theory, const JointSettings& settings = {},
+           const std::vector<std::size_t>& left_out = {}, const JointFit* start = nullptr);
+  ~JointFit();
+  JointFit(JointFit&&) noexcept;
+
+  /// Mean K and S of each paint over its series, with standard errors if `with_errors` was called before.
+  const Palette& palette() const { return palette_; }
+  /// Standard error of ln(K/S), by paint and wavelength; empty before `with_errors`.
+  const std::vector<std::vector<double>>& ratio_error() const { return ratio_error_; }
+  void with_errors();
+
+  std::vector<SpecimenReport> specimens(bool with_errors = false) const;
+  /// Volume per mass of each paint, relative to their mean, in the palette's order.
+  std::vector<double> specific_volumes() const;
+  /// Predicts any sample of the table, at the thickness stated or the common one and the stated amounts. Throws
+  /// std::domain_error for a paint that the fit has not seen.
+  JointPrediction predict(const Sample& sample, bool with_error = false) const;
+  /// Names of the cards that were not measured, whose reflectance is an unknown of the fit.
+  const std::vector<std::string>& unknown_cards() const;
+  /// Names of the specimens over two or more cards that reflect nearly the same, so that they tell nothing of
+  /// transmission.
+  std::vector<std::string> over_equal_cards() const;
+  double cost() const;
+  int iterations() const;
+
+private:
+  std::unique_ptr<JointSystem> system_;
+  Palette palette_;
+  std::vector<std::vector<double>> ratio_error_;
+};
+
+/// Notes about the data of a fit: cards that were not measured, specimens over cards that are alike.
+std::vector<std::string> joint_notes(const JointFit& fit);
+
+/// The key of a sample's specimen: its column "specimen", or else recipe, thickness and series.
+std::string specimen_key(const Sample& sample);
+
+}  // namespace aureole::pigment

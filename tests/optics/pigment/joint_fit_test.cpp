@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+// The joint fit of K and S against paints whose truth is known, and its two theories of a film against the
+// closed forms and the solver by discrete ordinates.
+#include "aureole/pigment/joint_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+#include "aureole/optics/stack/plane_stack.h"
+#include "aureole/pigment/hold_out.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
+#include "aureole/pigment/normal_chain.h"
+#include "aureole/pigment/prediction.h"
+
+namespace aureole::pigment {
+namespace {
+
+/// Reflectance, by streams, of a film over a Lambertian card in the binder, for diffuse light, gloss excluded.
+double diffuse_film(double k, double s, double g, double index, double card) {
+  optics::StackDescription d;
+  d.layers = {{k / 2, 4. / 3 * s / (1 - g), 1, optics::LegendrePhase::henyey_greenstein(g), index}};
+  d.substrate = card;
+  const optics::StackFluxes f = optics::PlaneStack(d, {16}).fluxes(optics::StackLight::diffuse());
+  return f.reflectance - f.unscattered_reflectance;
+}
+
+TEST(FilmTheory, TwoFluxesAreTheClosedFormAndItsSlopesTheQuotients) {
+  const Surface surface = saunderson_surface(0.0418, 0.5963, Specular::excluded);
+  const auto theory = two_flux_theory(surface);
+  for (const double k : {1e-6, 0.01, 1.0, 30.0})
+    for (const double s : {1e-3, 0.1, 3.0, 200.0})
+      for (const double card : {0.0, 0.3, 0.9}) {
+        const double expected = outer_reflectance(surface, reflectance_over(layer({k, s}, 1), card));
+        const FilmValue v = theory->over(std::log(k), std::log(s), card);
+        EXPECT_NEAR(v.value, expected, 1e-9) << k << " " << s << " " << card;
+        constexpr double kStep = 1e-5;
+        const auto at = [&](double a, double b, double c) {
+          return outer_reflectance(surface,
+                                   reflectance_over(layer({k * std::exp(a), s * std::exp(b)}, 1), c));
+        };
+        EXPECT_NEAR(v.by_ln_k, (at(kStep, 0, card) - at(-kStep, 0, card)) / (2 * kStep), 1e-6);
+        EXPECT_NEAR(v.by_ln_s, (at(0, kStep, card) - at(0, -kStep, card)) / (2 * kStep), 1e-6);
+        EXPECT_NEAR(v.by_substrate, (at(0, 0, card + kStep) - at(0, 0, card)) / kStep, 1e-4);
+      }
+  EXPECT_NEAR(theory->opaque(std::log(0.5), 0).value, outer_reflectance(surface, 0.381966011250105), 1e-12);
+  EXPECT_NEAR(theory->card(outer_reflectance(surface, 0.7)), 0.7, 1e-12);
+}
+
+TEST(FilmTheory, StreamsAreTheSolverOfStacks) {
+  const StreamsSettings settings{.index = 1.5, .g = 0.6, .geometry = Geometry::diffuse_diffuse};
+  const auto theory = streams_theory(settings);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> ln_k(-7, 3), ln_s(-4, 5), card(0, 1);
+  for (int i = 0; i < 60; ++i) {
+    const double k = ln_k(random), s = ln_s(random), r = card(random);
+    // With a substrate the solver counts light that the card sends back within the layer.
+    EXPECT_NEAR(theory->over(k, s, r).value, diffuse_film(std::exp(k), std::exp(s), 0.6, 1.5, r), 2e-4)
+        << k << " " << s << " " << r;
+  }
+  EXPECT_NEAR(theory->card(theory->over(-20, -20, 0.8).value), 0.8, 2e-3);
+  const double opaque = theory->opaque(std::log(0.05), 0).value;
+  EXPECT_NEAR(opaque, diffuse_film(0.05 * 1e3, 1e3, 0.6, 1.5, 0), 1e-3);
+}
+
+TEST(NormalChain, SolvesAsTheDenseMatrix) {
+  constexpr int kBlocks = 4, kSize = 3, kEdge = 2, kAll = kBlocks * kSize + kEdge;
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kAll, kAll);
+  NormalChain chain;
+  chain.border = Eigen::MatrixXd::Identity(kEdge, kEdge);
+  for (int l = 0; l < kBlocks; ++l) {
+    const Eigen::MatrixXd j = Eigen::MatrixXd::NullaryExpr(5, kSize + kEdge, [&] { return normal(random); });
+    const Eigen::MatrixXd a = j.leftCols(kSize), b = j.rightCols(kEdge);
+    Eigen::MatrixXd block = a.transpose() * a;
+    block.diagonal().array() += 4;
+    chain.blocks.push_back(block), chain.to_border.push_back(a.transpose() * b);
+    chain.border += b.transpose() * b;
+    dense.block(l * kSize, l * kSize, kSize, kSize) = block;
+    dense.block(l * kSize, kAll - kEdge, kSize, kEdge) = a.transpose() * b;
+    dense.block(kAll - kEdge, l * kSize, kEdge, kSize) = b.transpose() * a;
+  }
+  dense.bottomRightCorner(kEdge, kEdge) = chain.border;
+  for (int l = 0; l + 1 < kBlocks; ++l) {
+    chain.coupling.push_back(Eigen::Vector3d(1, 0.5 + l, 2));
+    for (int i = 0; i < kSize; ++i)
+      dense(l * kSize + i, (l + 1) * kSize + i) = dense((l + 1) * kSize + i, l * kSize + i) =
+          -chain.coupling.back()[i];
+  }
+  const Eigen::VectorXd right = Eigen::VectorXd::NullaryExpr(kAll, [&] { return normal(random); });
+  std::vector<Eigen::MatrixXd> blocks;
+  for (int l = 0; l < kBlocks; ++l) blocks.push_back(right.segment(l * kSize, kSize));
+  Eigen::MatrixXd border = right.tail(kEdge);
+  const NormalChainFactors factors(chain, 0);
+  ASSERT_TRUE(factors.good());
+  factors.solve(blocks, border);
+  const Eigen::VectorXd expected = dense.fullPivLu().solve(right);
+  for (int l = 0; l < kBlocks; ++l)
+    for (int i = 0; i < kSize; ++i) EXPECT_NEAR(blocks[std::size_t(l)](i, 0), expected[l * kSize + i], 1e-10);
+  for (int i = 0; i < kEdge; ++i) EXPECT_NEAR(border(i, 0), expected[kAll - kEdge + i], 1e-10);
+}
+
+/// A laboratory that knows its paints: per film, with or without errors.
+struct Workshop {
+  std::vector<double> nm;
+  std::vector<std::string> names = {"white", "red", "black"};
+  Surface surface = saunderson_surface(0.0418, 0.5963, Specular::excluded);
+  std::mt19937 random{7};
+
+  Workshop() {
+    for (double l = 400; l <= 700; l += 20) nm.push_back(l);
+  }
+  double k(int paint, double l) const {
+    return paint == 0 ? 0.01 : paint == 1 ? 0.05 + 8 / (1 + std::exp((l - 580) / 15)) : 25;
+  }
+  double s(int paint, double l) const {
+    return paint == 0 ? 8 * std::pow(550 / l, 1.3) : paint == 1 ? 1.5 : 2;
+  }
+  double reflectance(const std::vector<Component>& recipe, double l, double thickness, double card) const {
+    double sum_k = 0, sum_s = 0;
+    for (const Component& c : recipe) {
+      const int p = c.name == "white" ? 0 : c.name == "red" ? 1 : 2;
+      sum_k += c.fraction * k(p, l), sum_s += c.fraction * s(p, l);
+    }
+    return outer_reflectance(surface, reflectance_over(layer({sum_k, sum_s}, thickness), card));
+  }
+  void add_card(SampleTable& table, const std::string& name, double inner) const {
+    Sample s;
+    s.name = name, s.values.assign(nm.size(), outer_reflectance(surface, inner));
+    table.samples.push_back(s);
+  }
+  void add(SampleTable& table, const std::string& name, const std::string& recipe, double thickness,
+           double noise) {
+    std::normal_distribution<double> error(0, noise > 0 ? noise : 1);
+    for (const auto& [card, inner] : {std::pair{"dark", 0.05}, {"light", 0.8}}) {
+      Sample s;
+      s.name = name + " over " + card, s.specimen = name, s.backing = card, s.paints = parse_recipe(recipe);
+      for (const double l : nm)
+        s.values.push_back(
+            std::max(0.0, reflectance(s.paints, l, thickness, inner) + (noise > 0 ? error(random) : 0)));
+      table.samples.push_back(s);
+    }
+  }
+  SampleTable table(double noise) {
+    SampleTable t{nm, {}};
+    add_card(t, "dark", 0.05), add_card(t, "light", 0.8);
+    for (const char* recipe : {"white", "red", "black: 1 + white: 9", "red: 1 + white: 9",
+                               "red: 1 + white: 1", "red: 97% + black: 3%"})
+      add(t, recipe, recipe, 1, noise);
+    return t;
+  }
+};
+
+TEST(JointFit, ExactDataGiveThePaintsBack) {
+  Workshop lab;
+  const SampleTable table = lab.table(0);
+  const auto theory = two_flux_theory(lab.surface);
+  JointSettings settings = JointSettings::plain();
+  settings.noise = 1e-4;
+  const JointFit fit(table, *theory, settings);
+  EXPECT_TRUE(fit.palette().per_film);
+  for (int p = 0; p < 2; ++p)
+    for (std::size_t l = 0; l < lab.nm.size(); ++l) {
+      const Pigment& found = fit.palette().pigments[*fit.palette().find(lab.names[std::size_t(p)])];
+      EXPECT_NEAR(found.s[l] / lab.s(p, lab.nm[l]), 1, 2e-3) << found.name << lab.nm[l];
+      EXPECT_NEAR(found.k[l] / lab.k(p, lab.nm[l]), 1, 2e-2) << found.name << lab.nm[l];
+    }
+  for (const SpecimenReport& r : fit.specimens()) EXPECT_LT(r.rms, 1e-5) << r.name;
+}
+
+/// Errors of the fit are those of many repeated experiments, for quantities that the data determine.
+TEST(JointFit, StatedErrorsAreTheSpreadOfExperiments) {
+  Workshop lab;
+  const auto theory = two_flux_theory(lab.surface);
+  JointSettings settings = JointSettings::plain();
+  settings.noise = 0.003;
+  std::vector<double> z;
+  for (int experiment = 0; experiment < 12; ++experiment) {
+    const SampleTable table = lab.table(0.003);
+    JointFit fit(table, *theory, settings);
+    fit.with_errors();
+    const Pigment& white = fit.palette().pigments[*fit.palette().find("white")];
+    for (std::size_t l = 0; l < lab.nm.size(); ++l)
+      z.push_back((std::log(white.s[l] / lab.s(0, lab.nm[l]))) / (white.s_error[l] / white.s[l]));
+  }
+  double sum = 0;
+  for (const double v : z) sum += v * v;
+  EXPECT_NEAR(std::sqrt(sum / double(z.size())), 1, 0.15);
+}
+
+TEST(JointFit, WhereAFilmHidesOnlyTheRatioIsKnown) {
+  Workshop lab;
+  SampleTable table{lab.nm, {}};
+  lab.add_card(table, "dark", 0.05), lab.add_card(table, "light", 0.8);
+  lab.add(table, "red", "red", 40, 0);
+  const auto theory = two_flux_theory(lab.surface);
+  JointFit fit(table, *theory);
+  fit.with_errors();
+  const Pigment& red = fit.palette().pigments[0];
+  EXPECT_GT(red.s_error[2], 0.3 * red.s[2]);  // 440 nm
+  EXPECT_LT(fit.ratio_error()[0][2], 0.25);
+  EXPECT_NEAR(red.k[2] / red.s[2] / (lab.k(1, 440) / lab.s(1, 440)), 1, 0.1);
+}
+
+TEST(JointFit, FindsThicknessAmountsAndNamesAnOutlier) {
+  Workshop lab;
+  SampleTable table = lab.table(0.001);
+  lab.add(table, "thick red", "red: 1 + white: 3", 1.3, 0.001);
+  // Stated as 10 % of red, made with 13 %.
+  lab.add(table, "strong", "red: 13 + white: 87", 1, 0.001);
+  for (std::size_t s = table.samples.size() - 2; s < table.samples.size(); ++s)
+    table.samples[s].paints = parse_recipe("red: 10 + white: 90");
+  JointSettings settings;
+  settings.noise = 0.002, settings.noise_relative = 0;
+  const auto theory = two_flux_theory(lab.surface);
+  const JointFit fit(table, *theory, settings);
+  bool thick = false, strong = false;
+  for (const SpecimenReport& r : fit.specimens()) {
+    if (r.name == "thick red") {
+      thick = true;
+      EXPECT_NEAR(r.thickness, 1.3, 0.12);
+    }
+    if (r.name != "strong") continue;
+    strong = true;
+    double red = 0, white = 0;
+    for (const SpecimenReport::Dose& d : r.doses) (d.paint == "red" ? red : white) = d.factor;
+    EXPECT_NEAR(red / white, 0.13 / 0.87 * 9, 0.13);
+  }
+  EXPECT_TRUE(thick && strong);
+
+  // A specimen that is another paint altogether is down-weighted, and the others stay.
+  SampleTable wrong = lab.table(0.001);
+  for (Sample& s : wrong.samples)
+    if (s.specimen == "red: 1 + white: 1")
+      for (double& v : s.values) v = std::min(1.0, 0.9 - 0.7 * v);
+  const JointFit robust(wrong, *theory, settings);
+  for (const SpecimenReport& r : robust.specimens())
+    if (r.name == "red: 1 + white: 1") {
+      EXPECT_LT(r.weight, 0.5);
+      EXPECT_GT(r.rms, 0.02);
+    }
+}
+
+TEST(JointFit, ACardThatWasNotMeasuredIsAnUnknown) {
+  Workshop lab;
+  SampleTable table = lab.table(0);
+  table.samples.erase(table.samples.begin() + 1);  // the light card
+  for (Sample& s : table.samples)
+    if (s.backing == "light") s.backing = "white card";
+  const auto theory = two_flux_theory(lab.surface);
+  JointSettings settings;
+  settings.noise = 0.001, settings.noise_relative = 0;
+  const JointFit fit(table, *theory, settings);
+  for (const SpecimenReport& r : fit.specimens()) EXPECT_LT(r.rms, 0.004) << r.name;
+  EXPECT_EQ(fit.unknown_cards(), std::vector<std::string>{"white card"});
+  ASSERT_EQ(joint_notes(fit).size(), 1u);
+  // Nor do two cards that are alike pass in silence.
+  SampleTable alike = lab.table(0);
+  alike.samples[1].values = alike.samples[0].values;
+  const auto notes = joint_notes(JointFit(alike, *theory, settings));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("tell nothing of transmission"), std::string::npos);
+}
+
+/// Films that streams make, with grains of other g than the fit assumes, and noise: a mixture that no fit has seen.
+TEST(JointFit, SyntheticFilmsArePredicted) {
+  std::vector<double> nm;
+  for (double l = 400; l <= 700; l += 20) nm.push_back(l);
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0, 0.002);
+  struct Grain {
+    double k, s, g;
+  };
+  const auto paint = [](int p, double l) -> Grain {
+    const double fall = std::pow(550 / l, 1.3);
+    if (p == 0) return {0.01, 6 * fall, 0.55};
+    if (p == 1) return {0.05 + 6 / (1 + std::exp((l - 580) / 15)), 1.5, 0.7};
+    return {0.05 + 5 / (1 + std::exp((520 - l) / 15)), 0.8 * fall, 0.3};
+  };
+  const auto film = [&](const std::vector<Component>& recipe, double l, double card) {
+    double k = 0, s = 0, first = 0, scattering = 0;
+    for (const Component& c : recipe) {
+      const Grain g = paint(c.name == "white" ? 0 : c.name == "red" ? 1 : 2, l);
+      k += c.fraction * g.k, s += c.fraction * g.s;
+      scattering += c.fraction * g.s / (1 - g.g), first += c.fraction * g.s / (1 - g.g) * g.g;
+    }
+    return diffuse_film(k, s, first / scattering, 1.5, card);
+  };
+  SampleTable table{nm, {}};
+  const auto add = [&](const std::string& recipe) {
+    for (const double card : {0.05, 0.8}) {
+      Sample s;
+      s.name = recipe, s.specimen = recipe, s.backing = card < 0.5 ? "0.05" : "0.8",
+      s.paints = parse_recipe(recipe);
+      for (const double l : nm) s.values.push_back(std::max(0.0, film(s.paints, l, card) + noise(random)));
+      table.samples.push_back(s);
+    }
+  };
+  for (const char* recipe : {"white", "red", "blue", "red: 1 + white: 9", "blue: 1 + white: 9",
+                             "red: 1 + white: 1", "red: 1 + blue: 2 + white: 7"})
+    add(recipe);
+  JointSettings settings;
+  settings.noise = 0.004, settings.noise_relative = 0.01;
+  double rms[2] = {};
+  const auto two = two_flux_theory(smooth_surface(1.5, Geometry::diffuse_diffuse, Specular::excluded));
+  const auto streams = streams_theory({.index = 1.5, .g = 0.5, .geometry = Geometry::diffuse_diffuse});
+  for (const int t : {0, 1}) {
+    const FilmTheory& theory = t == 0 ? *two : *streams;
+    const JointFit full(table, theory, settings);
+    const auto held = hold_out(table, theory, settings, {{"red: 1 + blue: 2 + white: 7"}}, full, true);
+    ASSERT_EQ(held.size(), 1u);
+    ASSERT_EQ(held[0].predictions.size(), 2u) << held[0].reason;
+    int inside = 0, count = 0;
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t l = 0; l < nm.size(); ++l, ++count) {
+        const double difference =
+            held[0].predictions[i].values[l] - table.samples[held[0].samples[i]].values[l];
+        rms[t] += difference * difference / double(2 * nm.size());
+        inside += std::abs(difference) < 1.645 * held[0].predictions[i].error[l];
+      }
+    if (t == 1) {
+      EXPECT_GE(inside, 0.8 * count);
+    }
+  }
+  std::printf("a mixture of three, kept back: rms of R %.4f by two fluxes, %.4f by streams\n",
+              std::sqrt(rms[0]), std::sqrt(rms[1]));
+  EXPECT_LT(std::sqrt(rms[1]), 0.008);
+  EXPECT_LT(rms[1], rms[0]);
+}
+
+TEST(JointFit, BadInputIsNamed) {
+  Workshop lab;
+  SampleTable table = lab.table(0);
+  const auto two = two_flux_theory(lab.surface);
+  EXPECT_THROW(hold_out(table, *two, {}, {{"rde"}}, JointFit(table, *two), false), std::domain_error);
+  Sample other = table.samples.back();
+  other.paints = parse_recipe("white");
+  table.samples.push_back(other);
+  EXPECT_THROW(JointFit(table, *two), SampleError);  // one specimen, two recipes
+  table.samples.back().specimen = "film", table.samples.back().backing = "none";
+  const auto streams = streams_theory({});
+  EXPECT_THROW(JointFit(table, *streams), std::domain_error);
+  EXPECT_THROW(in_groups(table, 1), std::domain_error);
+}
+
+}  // namespace
+}  // namespace aureole::pigment
