@@ -133,6 +133,14 @@ std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float 
     double rounding;
   };
   std::vector<Plane> planes;
+  // Planes of about the same direction and distance from the origin. Round numbers lie in the middle of their cells.
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> planes_near;
+  const auto cell = [](double x, double size) {
+    return std::uint64_t(std::int64_t(std::round(x / (1.0371 * size))));
+  };
+  double of_scene = 1e-30;
+  for (const TriangleSet& set : sets)
+    for (const Vec3& p : set.positions) of_scene = std::max(of_scene, double(max_component(abs(p))));
   std::vector<std::uint32_t> sheets;
   for (const TriangleSet& set : sets) {
     Double3 normal{};
@@ -153,8 +161,15 @@ std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float 
     if (length(normal) > 0) {
       const Plane own{Double3(set.positions[set.triangles[0][0]]), normalize(normal), rounding};
       if (lies_in(own)) {
-        sheet = std::uint32_t(std::find_if(planes.begin(), planes.end(), lies_in) - planes.begin());
-        if (sheet == planes.size()) planes.push_back(own);
+        const Double3& n = own.normal;
+        const double sign = n.x + 0.7 * n.y + 0.3 * n.z < 0 ? -1 : 1;
+        const std::uint64_t direction = combine_bits(
+            combine_bits(cell(sign * n.x, 0.01), cell(sign * n.y, 0.01)), cell(sign * n.z, 0.01));
+        auto& alike = planes_near[combine_bits(direction, cell(sign * dot(own.p, n), 1e-3 * of_scene))];
+        const auto found =
+            std::find_if(alike.begin(), alike.end(), [&](std::uint32_t i) { return lies_in(planes[i]); });
+        sheet = found != alike.end() ? *found : std::uint32_t(planes.size());
+        if (found == alike.end()) alike.push_back(sheet), planes.push_back(own);
       }
     }
     sheets.push_back(sheet);
