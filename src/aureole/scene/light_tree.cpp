@@ -122,14 +122,17 @@ std::int32_t LightTree::build(std::vector<std::uint32_t>& order, std::size_t beg
       auto& b = buckets[size_t(bucket_of(order[i], axis))];
       b = merged(b, leaves_[order[i]]);
     }
-    for (int split = 1; split < kBuckets; ++split) {
-      EmissionBounds below, above;
-      below.power = above.power = 0;
-      for (int k = 0; k < kBuckets; ++k)
-        (k < split ? below : above) = merged(k < split ? below : above, buckets[size_t(k)]);
-      if (below.power == 0 || above.power == 0) continue;
+    // Splits beside empty buckets divide the lights as the split before them does.
+    std::array<int, kBuckets> used;
+    int used_count = 0;
+    for (int k = 0; k < kBuckets; ++k)
+      if (buckets[size_t(k)].power != 0) used[size_t(used_count++)] = k;
+    for (int split = 1; split < used_count; ++split) {
+      EmissionBounds below = buckets[size_t(used[0])], above = buckets[size_t(used[size_t(split)])];
+      for (int k = 1; k < split; ++k) below = merged(below, buckets[size_t(used[size_t(k)])]);
+      for (int k = split + 1; k < used_count; ++k) above = merged(above, buckets[size_t(used[size_t(k)])]);
       const float cost = cost_measure(below) + cost_measure(above);
-      if (cost < best_cost) best_cost = cost, best_axis = axis, best_bucket = split;
+      if (cost < best_cost) best_cost = cost, best_axis = axis, best_bucket = used[size_t(split - 1)] + 1;
     }
   }
   size_t middle = (begin + end) / 2;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/spectrum/observer.h"
 
+#include <mutex>
+#include <optional>
+#include <utility>
+
 #include "aureole/spectrum/tables.h"
 
 namespace aureole {
@@ -19,8 +23,18 @@ std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid) {
 }
 
 SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale) {
-  const TabulatedSpectrum d65 = *find_illuminant("D65");
-  SampledSpectrum s = SampledSpectrum::from_points(grid, d65.wavelengths_nm, d65.values);
+  // Scenes have thousands of emitters with colours, on one grid.
+  static std::mutex mutex;
+  static std::optional<std::pair<SpectralGrid, SampledSpectrum>> last;
+  SampledSpectrum s;
+  {
+    const std::lock_guard lock(mutex);
+    if (!last || !(last->first == grid)) {
+      const TabulatedSpectrum d65 = *find_illuminant("D65");
+      last.emplace(grid, SampledSpectrum::from_points(grid, d65.wavelengths_nm, d65.values));
+    }
+    s = last->second;
+  }
   s.scale(float(scale * d65_whitepoint_normalization()));
   return s;
 }
