@@ -16,7 +16,7 @@ struct RowPart {
   EdgePassage passage;
   double v = 0;          ///< |v| of the longest wavelength
   std::size_t part = 0;  ///< its index among all parts
-  double weight = 1;     ///< how far it acts in rows (1) and not by itself (0)
+  double weight = 1;     ///< share of its wave that acts in rows and not by itself
   /// Whether its wave was subtracted from the field as that of a segment on its open side (true) or in its shadow (false);
   /// empty: it was not subtracted.
   std::optional<bool> subtracted{};
@@ -74,8 +74,8 @@ public:
           join(i, k);
       }
   }
-  /// Calls use(row, count) for each row of at least two edges, as indices into the passages: sets of pairs that act together
-  /// or, if the segment is blocked and no light reaches its end by way of one or two edges, the shortest way over more.
+  /// Calls use(row, count) for each row of at least three edges, as indices into the parts: sets of pairs that act together or,
+  /// if the segment is blocked and no light reaches its end by way of one edge, the shortest path over several.
   template <class Use>
   void for_each(bool is_dark, const Use& use) const {
     std::array<std::size_t, RowParts::kCapacity> row;
@@ -84,15 +84,13 @@ public:
       double least = 1e9;
       for (std::size_t i = first; i < parts_.size(); ++i)
         if (row_of_[i] == first) row[count++] = i, least = std::min(least, signed_v(i));
-      if (count < 2) continue;
-      if (count > 2) {
-        // An edge far below the others' is no screen between them: it would end their correlation.
-        constexpr double kBelow = 2;
-        const auto last = std::remove_if(row.begin(), row.begin() + std::ptrdiff_t(count),
-                                         [&](std::size_t i) { return signed_v(i) > least + kBelow; });
-        count = std::size_t(last - row.begin());
-      }
-      if (count >= 2 && is_linked(row.data(), count)) use(row.data(), count), is_dark = false;
+      if (count < 3) continue;
+      // An edge far below the others' is no screen between them: it would end their correlation.
+      constexpr double kBelow = 2;
+      const auto last = std::remove_if(row.begin(), row.begin() + std::ptrdiff_t(count),
+                                       [&](std::size_t i) { return signed_v(i) > least + kBelow; });
+      count = std::size_t(last - row.begin());
+      if (count >= 3 && is_linked(row.data(), count)) use(row.data(), count), is_dark = false;
     }
     if (is_dark)
       if (const std::size_t count = find_shortest(row.data()); count >= 3) use(row.data(), count);

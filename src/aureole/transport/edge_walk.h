@@ -76,8 +76,8 @@ public:
     } else {
       constexpr float kBehind = 0.5f;
       auto& s = walk.state(i);
-      if (!scene_.outline_edges() ||
-          !passes_edges(scene_, s.segment.origin, s.segment.ray.d, walk.wavelengths(i)))
+      if (!scene_.outline_edges() || !passes_edges(scene_, s.segment.origin, s.segment.ray.d,
+                                                   s.diffraction.begins_at_infinity, walk.wavelengths(i)))
         return false;
       const bool goes_on = KeyedRandom(walk_key(walk, i)).next() < kBehind;
       s.density.survive(goes_on ? kBehind : 1 - kBehind);

@@ -8,7 +8,6 @@
 #include <deque>
 #include <vector>
 
-#include "aureole/optics/faddeeva.h"
 #include "aureole/scene/edge/edge_screens.h"
 #include "aureole/transport/edge_rows.h"
 
@@ -151,6 +150,7 @@ private:
         part.v = line.parameter(std::clamp(part.passage.middle, part.passage.begin, part.passage.end));
         part.length_weight = length_weight(part.passage);
       }
+      if (screens_->is_copy(index, part.passage, longest_)) continue;
       part.seen_from_begin = sees(part.side, true);
       // A point that one end does not see is of use only where another edge diffracts light towards that end.
       part.seen_from_end = (part.seen_from_begin || !screens_->is_one_sheet()) && sees(part.side, false);
@@ -183,7 +183,8 @@ private:
       if (part.is_seen()) candidate.subtracted = part.side.takes_open(is_open_);
       candidates.add(candidate);
     }
-    if (candidates.size() < 2) return 0;
+    // Two edges are screens of each other.
+    if (candidates.size() < 3) return 0;
     candidates.sort(segment_);
     const EdgeRows edge_rows(
         edges_, segment_, candidates,
@@ -193,7 +194,7 @@ private:
         });
     std::size_t count = 0;
     edge_rows.for_each(is_dark, [&](const std::size_t* row, std::size_t length_of_row) {
-      if (count == kMaxRows || length_of_row == 2) return;  // two edges change each other's waves
+      if (count == kMaxRows) return;
       Row& added = rows[count++];
       added.count = length_of_row;
       std::copy(row, row + length_of_row, added.parts.begin());
@@ -204,19 +205,16 @@ private:
     return count;
   }
 
-  /// Multiplies `weight` by how the edge that runs along a part of an edge changes its wave, between it and an end of the
-  /// segment. Returns false where no light goes there; sets `turns` where light turns at both edges.
-  bool weaken(const EdgePart& part, bool is_begin, Field& weight, bool& turns) const {
+  /// Multiplies `weight` by the change of a part's wave at the screen between it and one end of the segment. Returns false
+  /// where no light goes there; sets `turns` where light turns at the screen, too.
+  bool pass_screen(const EdgePart& part, bool is_begin, Field& weight, bool& turns) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
-    const auto screen = screens_->find_screen(part.edge, part.passage, !is_begin, longest_);
-    if (!screen || (is_seen && screen->v < 0 && !screen->is_at_border)) return is_seen;
-    if (!is_seen) {
-      const bool goes_around =
-          (screen->v < 0 || screen->is_at_border) &&
-          is_free(scene_, part.side.beside.to_float(), screen->beside.to_float(), false, w_) &&
-          sees(screen->beside, is_begin);
-      if (!goes_around) return false;
-    }
+    const auto screen = screens_->find_screen(
+        part.edge, part.passage, !is_begin, is_seen, longest_, [&](const EdgeScreens::Screen& s) {
+          return is_free(scene_, part.side.beside.to_float(), s.beside.to_float(), false, w_) &&
+                 sees(s.beside, is_begin);
+        });
+    if (!screen) return is_seen;
     if (screen->v < 0 || screen->is_at_border) turns = true;
     for (std::size_t i = 0; i < std::size_t(count_); ++i) {
       const double scale = 1 / std::sqrt(wavelengths_[i]);
@@ -238,8 +236,8 @@ private:
     Field weight;
     weight.fill(1 - part.in_rows);
     bool turns = part.is_outline;
-    if (part.in_rows == 1 || !weaken(part, true, weight, turns) || !weaken(part, false, weight, turns) ||
-        !turns)
+    if (part.in_rows == 1 || !pass_screen(part, true, weight, turns) ||
+        !pass_screen(part, false, weight, turns) || !turns)
       weight.fill(0);
     if (part.is_seen())
       for (auto& x : weight) x += part.in_rows;
@@ -280,27 +278,27 @@ private:
   std::deque<MeshEdge> rims_;  ///< of balls
 };
 
-/// Returns the factor; `begin` and `end` are the ends off their surfaces, `end` a direction where it is at infinity.
-Spectrum factor(const Scene& scene, const EdgeSegment& segment, const Vec3& begin, const Vec3& end,
-                bool is_open, const Wavelengths& w) {
-  return SegmentField(scene, segment, begin, end, is_open, w).factor();
-}
-
 }  // namespace
 
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w) {
   const EdgeSegment segment{Double3(origin), normalize(Double3(d)), double(length)};
   const bool infinite = segment.is_infinite();
-  return factor(scene, segment, origin + d * (1e-5f * (infinite ? 1 : length)),
-                infinite ? d : origin + d * length, is_open, w);
+  const Vec3 begin = origin + d * (1e-5f * (infinite ? 1 : length)), end = infinite ? d : origin + d * length;
+  return SegmentField(scene, segment, begin, end, is_open, w).factor();
 }
 
-bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, const Wavelengths& w) {
+bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
+                  const Wavelengths& w) {
   // |v| up to 20: less than 1e-3 of the light turns farther into a shadow.
   constexpr double kMost = 20;
   const OutlineEdges& edges = *scene.outline_edges();
-  const EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
+  EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
+  if (from_infinity) {
+    // Detours depend on where the light arrives, at most on the far side of the scene.
+    ray.from = ray.from + ray.d * (2.0 * double(length(scene.tracer().bounds().diagonal())));
+    ray.d = -ray.d;
+  }
   return edges.passes_within(kMost, ray, edges.wavelength(max_component(w.nm)));
 }
 
@@ -316,7 +314,8 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
   const Vec3 begin = scene.has_binary_visibility() ? c.ray.o : c.origin + c.d * part;
   const Spectrum passed = is_open ? c.passage : Spectrum(0.f);
   const bool is_blocked = max_component(passed - c.clear_passage * TestSegment::kOpaque) < 0;
-  const Spectrum u2 = factor(scene, segment, begin, c.infinite ? c.d : c.target, !is_blocked, w);
+  const Vec3& end = c.infinite ? c.d : c.target;
+  const Spectrum u2 = SegmentField(scene, segment, begin, end, !is_blocked, w).factor();
   if (!is_blocked) {
     c.passage *= u2;
     return true;

@@ -9,12 +9,15 @@
 namespace aureole {
 
 /// Returns |u/u0|^2 per wavelength of the segment from `origin` along the unit direction `d`; `length` may be infinite.
-/// `is_open`: whether the segment is free. An edge counts if it can be seen from both ends just off its open side.
+/// `is_open`: whether the segment is free. An edge counts if light reaches it from both ends of the segment, straight or by
+/// way of one parallel edge on each side.
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w);
 
 /// Whether edges are so near to a ray that light may turn around them into the shadow of what the ray hits.
-bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, const Wavelengths& w);
+/// `from_infinity`: the ray is light of an emitter at infinity.
+bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
+                  const Wavelengths& w);
 
 /// Multiplies the passage of a connection by its diffraction factor, `is_open` being the result of its visibility test,
 /// and returns whether light arrives. Surfaces that pass less than a hundredth of the light block a connection; what they

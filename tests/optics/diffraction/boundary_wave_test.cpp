@@ -162,5 +162,36 @@ TEST(BoundaryWave, TheWindowIsSmooth) {
   EXPECT_EQ(last, Complex(0));
 }
 
+// The waves of two parallel edges, each changed by the other, are their common field.
+TEST(BoundaryWave, EdgesChangeEachOthersWaves) {
+  for (const double rho : {-0.9, -0.3, 0.2, 0.9, 0.999})
+    for (const double v1 : {-3.0, -0.5, 0.4, 2.0})
+      for (const double v2 : {-2.0, -0.6, 0.3, 2.5}) {
+        const double root = std::sqrt(1 - rho * rho), w1 = (v1 - rho * v2) / root,
+                     w2 = (v2 - rho * v1) / root;
+        const auto wave = [](double v) { return (v > 0 ? -1.0 : 1.0) * knife_edge_field(-std::abs(v)); };
+        const std::complex<double> sum = (v1 > 0 && v2 > 0 ? 1.0 : 0.0) + wave(v1) * wave_past_edge(v1, w2) +
+                                         wave(v2) * wave_past_edge(v2, w1);
+        EXPECT_LT(std::abs(sum - two_edges_field(v1, v2, rho)), 3e-4) << rho << " " << v1 << " " << v2;
+      }
+  // Far from the second edge the wave is as it was, or nothing.
+  EXPECT_LT(std::abs(wave_past_edge(1, 60) - 1.0), 0.01);
+  EXPECT_LT(std::abs(wave_past_edge(1, -60)), 0.01);
+  // In one direction: the integral over s of the wave at s v times the knife edge's field at s w.
+  for (const double w : {-1.5, 0.0, 0.7}) {
+    const double v = 0.8, length = 60;
+    constexpr int kSteps = 400000;
+    std::complex<double> sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double q = (i + 0.5) / kSteps, s = 1 + q * length, end = std::max(0.0, q - 0.5) / 0.16;
+      sum +=
+          std::polar(length / kSteps * s * std::exp(-end * end * end * end), M_PI / 2 * v * v * (s * s - 1)) *
+          knife_edge_field(s * w);
+    }
+    const std::complex<double> expected = std::complex<double>(0, -M_PI * v * v) * sum;
+    EXPECT_LT(std::abs(wave_past_edge(v, w, 0) - expected), 2e-3) << w;
+  }
+}
+
 }  // namespace
 }  // namespace aureole::optics

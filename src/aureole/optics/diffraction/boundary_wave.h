@@ -33,11 +33,11 @@ std::complex<double> corner_wave_by_quadrature(double r, double psi);
 /// for computing bivariate normal probabilities", Ann. Math. Statist. 27(4)), which is a corner wave.
 std::complex<double> two_edges_field(double v1, double v2, double rho);
 
-/// Returns by how much a second edge, parallel to the first one, changes the first one's boundary wave. `v` is Fresnel's
-/// parameter of the first edge alone, `w` that of the second one for light that comes to it or leaves it by way of the first,
-/// negative in its shadow. The waves of both edges, each changed by the other, add to `two_edges_field`, of which this is the
-/// part of one edge: Owen's function again. `along` is how much of the first edge counts: 1 for an endless one, 0 for a piece
-/// that is short against |v|.
+/// Returns the factor by which a second edge, parallel to the first one, changes the first one's boundary wave. `v` is
+/// Fresnel's parameter of the first edge alone, `w` that of the second one for light that comes to it or leaves it by way of
+/// the first, negative in its shadow. The field of both is 1 or 0 (free or blocked) less the two waves, each with its factor:
+/// `two_edges_field`, which Owen's function divides into one part for each edge. `along` is 1 for an endless first edge and 0
+/// for a short piece of one; between them the two factors blend.
 std::complex<double> wave_past_edge(double v, double w, double along = 1);
 
 /// The obliquity factors c of a piece of an outline at its ends and where the detour of the whole line is smallest.

@@ -25,7 +25,7 @@ inline double obliquity_of_turn(const Double3& in, const Double3& out) {
   return std::sqrt(std::max(0.0, (1 + dot(in, out)) / 2));
 }
 
-/// An edge as a line x = a + t e, with what a segment's detours depend on.
+/// The line x = a + t e of an edge, and the detours of light by way of its points. The segment must outlive it.
 struct DetourLine {
   DetourLine(const MeshEdge& edge, const EdgeSegment& s) : segment(s), a(edge.a) {
     const Double3 along = Double3(edge.b) - a;
@@ -40,7 +40,7 @@ struct DetourLine {
   /// `across`, which has the length sqrt(4 delta).
   double scale(const Double3& p) const {
     const double z1 = dot(p, segment.d), r = aureole::length(p);
-    double sum = 1 / (r + z1);
+    double sum = 1 / std::max(r + z1, 1e-30);
     if (!is_infinite()) {
       const double z2 = segment.length - z1;
       sum += 1 / (aureole::length(p - segment.d * segment.length) + z2);
@@ -53,7 +53,7 @@ struct DetourLine {
     const double f = scale(p);
     return {f * dot(p, x), f * dot(p, y)};
   }
-  /// |v| at a unit wavelength.
+  /// Fresnel's parameter |v| of the point at `t`, at a unit wavelength.
   double parameter(double t) const {
     const Double3 p = at(t);
     return scale(p) * aureole::length(p - segment.d * dot(p, segment.d));

@@ -111,14 +111,16 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
   if (instance) {
     magnified = 0, reduced = kInfinity;
     const Vec3 origin = instance->point_to_world({0, 0, 0});
-    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+    // The diagonals tell a shear.
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0.6f, 0.8f, 0},
+                             Vec3{0, 0.6f, 0.8f}, Vec3{0.8f, 0, 0.6f}}) {
       const double by = double(length(instance->point_to_world(axis) - origin));
       magnified = std::max(magnified, by), reduced = std::min(reduced, by);
     }
   }
   constexpr double kStretched = 1e-4;
   const auto center = round->ball_center();
-  if (balls_ == Balls::apart && center && reduced > (1 - kStretched) * magnified) {
+  if (balls_ == Balls::listed && center && reduced > (1 - kStretched) * magnified) {
     const double radius = magnified * round->round_radius();
     const double turn = turn_without_creeping(wave_number_, radius);
     const Vec3 at = center->to_float();

@@ -30,8 +30,8 @@ public:
   /// `seen_through`: whether shapes count that light passes straight through in part, such as masks and panes. Those that
   /// pass less than a hundredth of it always do.
   enum class SeenThrough { counts, left_out };
-  /// Whether balls are polyhedra or stay balls.
-  enum class Balls { as_polyhedra, apart };
+  /// Whether balls become polyhedra in `sets` or are listed in `balls`.
+  enum class Balls { as_polyhedra, listed };
   explicit DiffractingShapes(const SceneParts& parts, SeenThrough seen_through = SeenThrough::counts,
                              Balls balls = Balls::as_polyhedra);
 

@@ -21,12 +21,12 @@ bool have_common_end(const MeshEdge& a, const MeshEdge& b) {
 
 /// The obliquity factor of light that turns at a part of an edge and at a screen, over that of light that turns at the part
 /// alone. `rest` is the light between the part and an end of the segment, `p` the point of the screen from its begin.
-double obliquity_past(const EdgePassage& part, const EdgeSegment& rest, const Double3& p, bool is_behind) {
+double obliquity_past(const EdgePassage& part, const EdgeSegment& rest, const Double3& p, bool towards_end) {
   const Double3 to_screen = normalize(p);
   const Double3 from_screen = rest.is_infinite() ? rest.d : normalize(rest.d * rest.length - p);
   const double at_screen = obliquity_of_turn(to_screen, from_screen);
   const double at_part =
-      is_behind ? obliquity_of_turn(part.in, to_screen) : obliquity_of_turn(from_screen, part.out);
+      towards_end ? obliquity_of_turn(part.in, to_screen) : obliquity_of_turn(from_screen, part.out);
   return at_screen * at_part / std::max(1e-6, obliquity_of_turn(part.in, part.out));
 }
 
@@ -52,7 +52,7 @@ EdgeScreens::EdgeScreens(const OutlineEdges& edges, const EdgeSegment& segment,
 
 std::size_t EdgeScreens::bucket_of(const PlanePoint& p) const {
   const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi) + 0.5;
-  return std::min(std::size_t(turn * kBuckets), kBuckets - 1);
+  return turn > 0 ? std::min(std::size_t(turn * kBuckets), kBuckets - 1) : 0;
 }
 
 /// Calls visit(bucket) for the azimuths of an edge, the shorter way around the segment.
@@ -112,49 +112,70 @@ void EdgeScreens::find_cuts(std::size_t edge, std::vector<double>& cuts) const {
              cuts.end());
 }
 
-std::optional<EdgeScreens::Screen> EdgeScreens::find_screen(std::size_t edge, const EdgePassage& part,
-                                                            bool is_behind, double wavelength) const {
-  std::optional<Screen> found;
-  double least_beyond = kInfinity;  ///< by how much light passes beside the ends of the screen found
+double EdgeScreens::cosine(std::size_t a, std::size_t b) const {
+  const auto across = [&](std::size_t i) {
+    const Double3& normal = beside_[i].side.normal;
+    return normalize(normal - segment_.d * dot(normal, segment_.d));
+  };
+  return dot(across(a), across(b));
+}
+
+bool EdgeScreens::is_copy(std::size_t edge, const EdgePassage& part, double wavelength) const {
+  if (is_one_sheet()) return false;
+  const DetourLine own(*part.edge, segment_);
+  const double t = dot(part.p - own.to_a, own.e);
+  const auto& alike = buckets_[bucket_of(own.in_fresnel_plane(t, x_, y_))];
+  return std::any_of(alike.begin(), alike.end(), [&](std::uint32_t other) {
+    if (!may_hide(edge, other) || !beside_[other].is_outline) return false;
+    const DetourLine line(*beside_[other].passage.edge, segment_);
+    constexpr double kEqual = 1e-6;
+    const bool is_other_first =
+        line.length > own.length * (1 + kEqual) || (line.length > own.length * (1 - kEqual) && other < edge);
+    if (!is_other_first) return false;
+    const double at = dot(part.p - line.to_a, line.e);
+    if (!(at > 0 && at < line.length)) return false;
+    const Double3 apart = line.at(at) - part.p;
+    const double depth = dot(apart, segment_.d);
+    const double off = std::max(beside_[edge].side.offset, beside_[other].side.offset);
+    return std::abs(depth) <= wavelength / 20 && length(apart - segment_.d * depth) <= 2 * off &&
+           cosine(edge, other) > OutlineEdges::kSideBySide;
+  });
+}
+
+void EdgeScreens::visit_parallel(std::size_t edge, const EdgePassage& part, bool towards_end,
+                                 double wavelength,
+                                 const std::function<void(const Screen&, double)>& visit) const {
   const double depth = dot(part.p, segment_.d);
   EdgeSegment rest{segment_.from, part.in, length(part.p)};
-  if (is_behind) {
+  if (towards_end) {
     rest.from = segment_.from + part.p, rest.d = part.out;
-    if (segment_.is_infinite())
-      rest.length = segment_.length;
-    else
-      rest.length = length(segment_.d * segment_.length - part.p);
+    rest.length = segment_.is_infinite() ? segment_.length : length(segment_.d * segment_.length - part.p);
   }
   const DetourLine own(*part.edge, segment_);
   const double t = dot(part.p - own.to_a, own.e);
   const auto look_at = [&](std::uint32_t other) {
     if (!may_hide(edge, other)) return;
     const EdgeBeside& screen = beside_[other];
-    const double between = (dot(screen.passage.p, segment_.d) - depth) * (is_behind ? 1 : -1);
-    if (!(between > wavelength / 20)) return;
-    const auto across = [&](const Double3& v) { return normalize(v - segment_.d * dot(v, segment_.d)); };
-    if (dot(across(beside_[edge].side.normal), across(screen.side.normal)) < OutlineEdges::kSideBySide)
-      return;
+    const double between = (dot(screen.passage.p, segment_.d) - depth) * (towards_end ? 1 : -1);
+    if (!(between > wavelength / 20) || !(std::abs(cosine(edge, other)) >= OutlineEdges::kSideBySide)) return;
     const DetourLine line(*screen.passage.edge, rest);
     const double middle = line.middle(), at = std::clamp(middle, 0.0, line.length);
     const Double3 p = line.at(at);
     // Light may pass between the ends of two edges of a round outline.
     constexpr double kBeyond = 0.3;
     const double beyond = std::abs(middle - at) * line.scale(p);
-    if (beyond > std::min(kBeyond * std::sqrt(wavelength), least_beyond)) return;
+    if (!(beyond <= kBeyond * std::sqrt(wavelength))) return;
     const double height = dot(rest.d * dot(p, rest.d) - p, screen.side.normal);
-    const double v = std::copysign(line.parameter(middle), height);
-    if (found && beyond == least_beyond && found->v <= v) return;
-    least_beyond = beyond;
-    found = Screen{v, rest.from + p + screen.side.normal * screen.side.offset,
-                   v < 0 ? obliquity_past(part, rest, p, is_behind) : 1,
-                   std::abs(height) < 4 * std::max(screen.side.offset, beside_[edge].side.offset)};
+    const double v = line.parameter(middle);
+    visit({std::copysign(v, height), rest.from + p + screen.side.normal * screen.side.offset,
+           height < 0 ? obliquity_past(part, rest, p, towards_end) : 1,
+           std::abs(height) < 4 * std::max(screen.side.offset, beside_[edge].side.offset)},
+          std::hypot(v, beyond));
   };
   // The segment may pass between both edges.
   const std::size_t bucket = bucket_of(own.in_fresnel_plane(t, x_, y_));
   for (const std::size_t b : {bucket, (bucket + kBuckets / 2) % kBuckets})
     std::for_each(buckets_[b].begin(), buckets_[b].end(), look_at);
-  return found;
 }
 
 }  // namespace aureole

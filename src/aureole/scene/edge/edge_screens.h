@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,13 +15,15 @@
 
 namespace aureole {
 
-/// An edge beside a segment, with its sides for light that passes it.
+/// An edge beside a segment, and on which side of it light is free.
 struct EdgeBeside {
   EdgePassage passage;
   EdgeSide side;
   bool is_outline;  ///< false where it is no outline of its shape, but light runs along one of its faces
 };
 
+/// Finds for each edge beside a segment which other edges cross it, so that its outline ends there, and which parallel edge
+/// diffracts its wave, called its screen.
 class EdgeScreens {
 public:
   /// The edges must outlive it.
@@ -33,18 +36,37 @@ public:
   /// order.
   void find_cuts(std::size_t edge, std::vector<double>& cuts) const;
 
-  /// An edge that runs along another one, for light that comes by way of that one.
+  /// Whether a longer edge, or an earlier one of that length, lies on a part of an edge: at its depth, to a twentieth of the
+  /// wavelength. Both would have one wave.
+  bool is_copy(std::size_t edge, const EdgePassage& part, double wavelength) const;
+
+  /// A parallel edge on the light's way between a part of an edge and one end of the segment.
   struct Screen {
-    double
-        v;  ///< Fresnel's parameter at a unit wavelength of the light from there on, negative in the shadow
-    Double3 beside;     ///< a point just off the edge, on its open side
-    double obliquity;   ///< cos(theta/2) of its turn times that at the part, over that of the part alone
+    /// Fresnel's parameter of the screen, at a unit wavelength, for light straight between the part and the end of the segment;
+    /// negative in the screen's shadow.
+    double v;
+    Double3 beside;  ///< a point just off the screen, on its open side
+    /// Where light turns at both: the product of cos(theta/2) at the screen and at the part over that at the part alone;
+    /// otherwise 1.
+    double obliquity;
     bool is_at_border;  ///< light passes so near to the edge that no visibility test can tell on which side
   };
-  /// Returns the screen that shadows light most: between a part of an edge and the segment's end (`is_behind`), or between
-  /// the segment's begin and that part.
-  std::optional<Screen> find_screen(std::size_t edge, const EdgePassage& part, bool is_behind,
-                                    double wavelength) const;
+  /// Returns the screen nearest to the light between a part of an edge and the segment's end (`towards_end`) or begin. If the
+  /// part is visible from there (`is_seen`), light passes the screen on its open side; if not, in its shadow, and
+  /// is_open(screen) tells whether light by way of the point beside it is free.
+  template <class IsOpen>
+  std::optional<Screen> find_screen(std::size_t edge, const EdgePassage& part, bool towards_end, bool is_seen,
+                                    double wavelength, const IsOpen& is_open) const {
+    std::optional<Screen> found;
+    double nearest = kInfinity;
+    visit_parallel(edge, part, towards_end, wavelength, [&](const Screen& screen, double distance) {
+      if (!(distance < nearest)) return;
+      if (!screen.is_at_border && (screen.v < 0) == is_seen) return;
+      if (!is_seen && !is_open(screen)) return;
+      found = screen, nearest = distance;
+    });
+    return found;
+  }
 
 private:
   static constexpr std::size_t kBuckets = 64;
@@ -52,6 +74,11 @@ private:
   template <class Visit>
   void for_each_bucket(std::size_t edge, const Visit& visit) const;
   bool may_hide(std::size_t a, std::size_t b) const;
+  /// Cosine of the angle between the normals of two edges about the segment.
+  double cosine(std::size_t a, std::size_t b) const;
+  /// Calls visit(screen, |v| with what light passes beside its ends) for the edges parallel to a part of an edge.
+  void visit_parallel(std::size_t edge, const EdgePassage& part, bool towards_end, double wavelength,
+                      const std::function<void(const Screen&, double)>& visit) const;
 
   const OutlineEdges& edges_;
   const EdgeSegment& segment_;

@@ -181,7 +181,7 @@ std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float 
 
 OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->length_unit_m) {
   const DiffractingShapes shapes(parts, DiffractingShapes::SeenThrough::left_out,
-                                 DiffractingShapes::Balls::apart);
+                                 DiffractingShapes::Balls::listed);
   welded_ = float(parts.context->grid.min_nm * nm_ / 40);
   const auto positions = welded_positions(shapes.sets, welded_);
   std::vector<TriangleSet> sets;
@@ -203,17 +203,19 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
     lift_.push_back(float(ball.lift));
     // Each is a sheet of its own, after those of triangles.
     sheet_.push_back(std::uint32_t(sheet_.size() + sets.size()));
-    const Vec3 center = ball.center.to_float(), r = Vec3{1, 1, 1} * float(1.01 * ball.radius);
+    const Vec3 center = ball.center.to_float(), r = Vec3{1, 1, 1} * float(1.03 * ball.radius);
     Bounds3& box = boxes.emplace_back();
     box.extend(center - r), box.extend(center + r);
     box_.extend(box.lower), box_.extend(box.upper);
   }
   if (!balls_.empty()) ball_tree_ = BeamTree(boxes);
   constexpr std::size_t kMany = 4096;
-  if (edges_.size() > kMany) {
+  std::size_t count = edges_.size();
+  for (const auto& ball : balls_) count += std::size_t(ball.pieces);
+  if (count > kMany) {
     window_ = 15;
     notes_.push_back(
-        "diffraction: the scene has " + std::to_string(edges_.size()) +
+        "diffraction: the scene has " + std::to_string(count) +
         " edges, so that an edge counts up to the Fresnel parameter 15 only, where it sends 36 dB less "
         "than the unobstructed light");
   }
@@ -275,9 +277,9 @@ void OutlineEdges::add_rim(std::uint32_t i, const EdgeSegment& segment, double d
     return (ball.center + x * (r * std::cos(k * step)) + y * (r * std::sin(k * step))).to_float();
   };
   for (int k = 0; k < ball.pieces; ++k) {
-    edge.a = k > 0 ? rims.back().b : corner(0);
+    edge.a = corner(k);
     edge.b = corner((k + 1) % ball.pieces);
-    rims.push_back(edge);
+    if (!(edge.a == edge.b)) rims.push_back(edge);
   }
 }
 
@@ -338,10 +340,6 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   side.is_open = height > 0;
   side.is_at_border = std::abs(height) <= rounding;
   return true;
-}
-
-double OutlineEdges::parameter(const EdgePassage& passage, const EdgeSegment& segment) const {
-  return DetourLine(*passage.edge, segment).parameter(passage.middle);
 }
 
 void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,

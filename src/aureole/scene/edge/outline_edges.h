@@ -135,14 +135,11 @@ public:
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
                  const Double3& out, bool grazes, EdgeSide& side) const;
 
-  /// Returns |v| of an edge at a unit wavelength, where the detour of its whole line is smallest.
-  double parameter(const EdgePassage& passage, const EdgeSegment& segment) const;
-
   /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the scene].
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
 
-  /// Edges whose normals about the segment have a cosine above that run side by side; others cross.
+  /// Two edges count as parallel if the cosine of the angle between their normals, across the segment, exceeds that.
   static constexpr double kSideBySide = 0.8;
   /// Sets how two edges act together, `first` being the one that the segment passes first; false where they do not: on
   /// opposite sides of the segment, where they cross, in one plane, with a common end, or where the segment passes an end of
