@@ -766,6 +766,19 @@ TEST(SegmentDiffraction, CutsOfTheEdgeChangeNothing) {
   const Bench whole{1, 2e-3, 16, 2, sheet(-1, 0, -0.01, 0.01)}, cut{1, 2e-3, 16, 2, pieces};
   const Picture a = whole.picture(), b = cut.picture();
   for (std::size_t i = 0; i < a.mean.size(); ++i) EXPECT_NEAR(b.mean[i], a.mean[i], 1e-3 * a.mean[i]) << i;
+
+  // Nor with two sheets, whose edges cross: they are joined before that.
+  const auto crossed = [](int n) {
+    std::string sheets;
+    for (int k = 0; k < n; ++k) {
+      const double from = 0.1 * (2.0 * k / n - 1), to = 0.1 * (2.0 * (k + 1) / n - 1);
+      sheets += sheet(from, to, 0.15e-3, 0.1, 0.015) + sheet(from, to, -0.1, -0.15e-3, 0.015) +
+                sheet(0.15e-3, 0.1, from, to, -0.015) + sheet(-0.1, -0.15e-3, from, to, -0.015);
+    }
+    return Bench{1, 2e-3, 8, 8, sheets, 2}.picture().mean;
+  };
+  const std::vector<double> one = crossed(1), many = crossed(40);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(many[i], one[i], 1e-3 * one[i]) << i;
 }
 
 // Two walls make a corner, the second one shifted by g: the corner is one edge, whether its vertices are equal, nearly equal

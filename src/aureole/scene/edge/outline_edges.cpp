@@ -2,8 +2,10 @@
 #include "aureole/scene/edge/outline_edges.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <unordered_map>
 
@@ -125,6 +127,78 @@ std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> set
   return welded;
 }
 
+/// Joins edges that go on straight from one another between equal faces, so that the subdivision of a mesh changes nothing.
+/// `sheet`: of each set of triangles; vertices may lie `distance` off a line.
+std::vector<MeshEdge> joined(const std::vector<MeshEdge>& edges, std::span<const std::uint32_t> sheet,
+                             std::uint32_t no_sheet, float distance) {
+  struct Ends {
+    std::uint32_t edge[2] = {};
+    int count = 0;
+  };
+  const auto key = [](const Vec3& p) {
+    // Adding 0 turns -0 into 0.
+    return combine_bits(
+        combine_bits(std::bit_cast<std::uint32_t>(p.x + 0.f), std::bit_cast<std::uint32_t>(p.y + 0.f)),
+        std::bit_cast<std::uint32_t>(p.z + 0.f));
+  };
+  std::unordered_map<std::uint64_t, Ends> at;
+  for (std::uint32_t i = 0; i < edges.size(); ++i)
+    for (const Vec3& p : {edges[i].a, edges[i].b}) {
+      Ends& ends = at[key(p)];
+      if (ends.count < 2) ends.edge[ends.count] = i;
+      ++ends.count;
+    }
+  const auto is_sheet_of_both = [&](const MeshEdge& a, const MeshEdge& b) {
+    return a.face0.set == b.face0.set ||
+           (sheet[a.face0.set] != no_sheet && sheet[a.face0.set] == sheet[b.face0.set]);
+  };
+  // The edge that goes on from the end of another one, or none.
+  const auto next_of = [&](std::uint32_t i) -> std::optional<std::uint32_t> {
+    const Ends& ends = at[key(edges[i].b)];
+    if (ends.count != 2) return {};
+    const std::uint32_t k = ends.edge[ends.edge[0] == i ? 1 : 0];
+    const MeshEdge &a = edges[i], &b = edges[k];
+    if (k == i || !(b.a == a.b) || a.is_boundary != b.is_boundary || a.is_concave != b.is_concave) return {};
+    constexpr double kBend = 1e-3;  // radians
+    const Double3 u = normalize(Double3(a.b) - Double3(a.a)), v = normalize(Double3(b.b) - Double3(b.a));
+    const auto equal = [](const Vec3& x, const Vec3& y) { return length_squared(x - y) < 1e-6f; };
+    if (!(length(cross(u, v)) < kBend) || !(dot(u, v) > 0) || !equal(a.n0, b.n0) || !equal(a.n1, b.n1) ||
+        !is_sheet_of_both(a, b))
+      return {};
+    return k;
+  };
+  std::vector<std::optional<std::uint32_t>> next(edges.size());
+  std::vector<bool> has_before(edges.size());
+  for (std::uint32_t i = 0; i < edges.size(); ++i)
+    if ((next[i] = next_of(i))) has_before[*next[i]] = true;
+  std::vector<MeshEdge> result;
+  for (std::uint32_t i = 0; i < edges.size(); ++i) {
+    if (has_before[i]) continue;
+    result.push_back(edges[i]);
+    std::vector<Vec3> passed;
+    for (auto k = next[i]; k; k = next[*k]) {
+      const Vec3 last = result.back().b, end = edges[*k].b;
+      passed.push_back(last);
+      const double rounding =
+          double(distance) + 4e-7 * double(std::max(max_component(abs(last)), max_component(abs(end))));
+      const Double3 from(result.back().a), along = normalize(Double3(end) - from);
+      // Of many vertices some tell whether the line is straight.
+      constexpr std::size_t kTests = 32;
+      const std::size_t step = 1 + passed.size() / kTests;
+      bool is_straight = true;
+      for (std::size_t n = passed.size(); n-- > 0 && is_straight; n -= std::min(n, step - 1))
+        is_straight = length(cross(Double3(passed[n]) - from, along)) <= rounding;
+      if (is_straight) {
+        result.back().b = end;
+      } else {
+        result.push_back(edges[*k]);
+        passed.clear();
+      }
+    }
+  }
+  return result;
+}
+
 /// Returns for each set of triangles the number of its plane, equal for sets in one plane; `none` for sets that are not flat.
 std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float distance,
                                        std::uint32_t none) {
@@ -138,22 +212,33 @@ std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float 
   const auto cell = [](double x, double size) {
     return std::uint64_t(std::int64_t(std::round(x / (1.0371 * size))));
   };
-  double of_scene = 1e-30;
-  for (const TriangleSet& set : sets)
-    for (const Vec3& p : set.positions) of_scene = std::max(of_scene, double(max_component(abs(p))));
+  // Meshes may have vertices that no triangle uses.
+  const auto all_of_vertices = [](const TriangleSet& set, const auto& test) {
+    return std::all_of(set.triangles.begin(), set.triangles.end(), [&](const TriangleIndices& t) {
+      return test(set.positions[t[0]]) && test(set.positions[t[1]]) && test(set.positions[t[2]]);
+    });
+  };
+  const auto reach = [&](const TriangleSet& set) {
+    double largest = 1e-30;
+    all_of_vertices(set, [&](const Vec3& p) {
+      largest = std::max(largest, double(max_component(abs(p))));
+      return true;
+    });
+    return largest;
+  };
+  double of_scene = 0;
+  for (const TriangleSet& set : sets) of_scene = std::max(of_scene, reach(set));
   std::vector<std::uint32_t> sheets;
   for (const TriangleSet& set : sets) {
     Double3 normal{};
-    double largest = 0;
     for (const TriangleIndices& t : set.triangles) {
       const Double3 a(set.positions[t[0]]);
       const Double3 n = cross(Double3(set.positions[t[1]]) - a, Double3(set.positions[t[2]]) - a);
       if (length(n) > length(normal)) normal = n;
     }
-    for (const Vec3& p : set.positions) largest = std::max(largest, double(max_component(abs(p))));
-    const double rounding = 2e-7 * largest + double(distance);
+    const double rounding = 2e-7 * reach(set) + double(distance);
     const auto lies_in = [&](const Plane& plane) {
-      return std::all_of(set.positions.begin(), set.positions.end(), [&](const Vec3& p) {
+      return all_of_vertices(set, [&](const Vec3& p) {
         return std::abs(dot(Double3(p) - plane.p, plane.normal)) <= std::max(rounding, plane.rounding);
       });
     };
@@ -186,9 +271,9 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   const auto positions = welded_positions(shapes.sets, welded_);
   std::vector<TriangleSet> sets;
   for (std::size_t i = 0; i < positions.size(); ++i) sets.push_back({positions[i], shapes.sets[i].triangles});
-  edges_ = find_mesh_edges(sets);
   lift_ = shapes.lift;
   sheet_ = flat_sheets(sets, welded_, kNoSheet);
+  edges_ = joined(find_mesh_edges(sets), sheet_, kNoSheet, welded_);
   notes_ = shapes.remarks;
   std::vector<Bounds3> boxes;
   for (const MeshEdge& edge : edges_) {
