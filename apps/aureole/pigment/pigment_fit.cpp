@@ -151,6 +151,7 @@ int fit(const FitOptions& o) {
     nlohmann::json out;
     SurfaceOptions surface = o.surface;
     if (ours) surface.geometry = "45_0";
+    fmt::print("interface: {}\n", surface.text());
     const auto [palette, ratio_error] =
         fit_jointly(o.samples, table, o.joint, surface, o.white, o.illuminant, out);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
@@ -163,6 +164,7 @@ int fit(const FitOptions& o) {
   const pigment::Fit found = fit_file(o.samples, table, settings);
   const pigment::Palette& palette = found.palette;
 
+  if (!ours) fmt::print("interface: {}\n", o.surface.text());
   fmt::print("{}: {} paints, {} measurements, {} wavelengths from {:g} to {:g} nm; K and S {}\n\n", o.samples,
              palette.pigments.size(), table.samples.size(), palette.nm.size(), palette.nm.front(),
              palette.nm.back(), palette.relative ? "relative to S of \"" + o.white + "\"" : "per metre");

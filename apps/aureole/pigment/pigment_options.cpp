@@ -52,6 +52,14 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
+std::string SurfaceOptions::text() const {
+  const std::string light = ", specular " + specular;
+  if (k1 >= 0) return fmt::format("Saunderson, k1 {:g}, k2 {:g}{}", k1, k2, light);
+  if (!given() || geometry == "none") return "none";
+  return fmt::format("{} {}, index {:g}{}", alpha > 0 ? fmt::format("rough (alpha {:g}),", alpha) : "smooth,",
+                     geometry, index, geometry == "45_0" ? "" : light);
+}
+
 void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();

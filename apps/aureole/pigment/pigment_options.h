@@ -22,6 +22,8 @@ struct SurfaceOptions {
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
+  /// The interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
+  std::string text() const;
 };
 
 /// A layer of paint: a recipe, a thickness and a substrate.

@@ -223,6 +223,7 @@ json palette_json(const pigment::Palette& palette) {
        {{"seen", palette.surface.seen}, {"through", palette.surface.through}, {"k2", palette.surface.k2}}},
       {"wavelengths_nm", palette.nm},
       {"pigments", json::array()}};
+  if (palette.by_volume) out["mixing"] = "volume";
   for (const pigment::Pigment& p : palette.pigments) {
     json one = {{"name", p.name}, {"k", p.k}, {"s", p.s}};
     if (!p.k_error.empty()) one["k_error"] = p.k_error, one["s_error"] = p.s_error;
