@@ -52,6 +52,17 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
+void SurfaceOptions::note_unused() const {
+  if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
+  if (specular == "included" && (!given() || geometry == "none"))
+    tell("note: --specular: has no effect without an interface (--geometry, or --k1 and --k2)\n");
+}
+
+void note_substrate(double substrate, const std::string& thickness) {
+  if (substrate != 1 && thickness.empty())
+    tell("note: --substrate: has no effect without --thickness: the layer is opaque\n");
+}
+
 std::string SurfaceOptions::text() const {
   const std::string light = ", specular " + specular;
   if (k1 >= 0) return fmt::format("Saunderson, k1 {:g}, k2 {:g}{}", k1, k2, light);
@@ -75,6 +86,7 @@ pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& s
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
     tell("note: {}: {} negative values of K and S count as zero\n", file, count);
+  surface.note_unused();
   if (surface.given()) palette.surface = surface.surface();
   return palette;
 }
