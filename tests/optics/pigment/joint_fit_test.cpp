@@ -178,7 +178,7 @@ TEST(JointFit, ExactDataGiveThePaintsBack) {
   for (const SpecimenReport& r : fit.specimens()) EXPECT_LT(r.rms, 1e-5) << r.name;
 }
 
-/// What is written of a fit mixes as the fit does: paints with unequal volumes per mass keep them.
+/// The palette of a fit mixes as the fit does: paints with unequal volumes per mass keep them.
 TEST(JointFit, ThePaletteMixesAsTheFit) {
   Workshop lab;
   lab.volumes = {0.5, 1.6, 1.2};
