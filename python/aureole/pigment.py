@@ -12,7 +12,7 @@ import math
 import os
 import tempfile
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
@@ -444,6 +444,8 @@ class Palette:
         K and S have no unit of length: they are relative to S of the white, or per film (`joint_fit`). Else per metre.
     surface : Surface
         What the measurements were seen through.
+    density : numpy.ndarray
+        Mass per volume of each paint, relative; empty where K and S add up by mass rather than by volume.
     """
 
     nm: Reals
@@ -454,16 +456,17 @@ class Palette:
     s_error: Reals
     relative: bool
     surface: Surface
+    density: Reals = field(default_factory=lambda: np.array([]))
 
     @staticmethod
     def _of(parts: Any) -> "Palette":
-        nm, names, k, s, k_error, s_error, relative, interface = parts
+        nm, names, k, s, k_error, s_error, relative, interface, density = parts
 
         def errors(rows: List[List[float]]) -> Reals:
             return np.array([row or [math.nan] * len(nm) for row in rows])
 
         return Palette(np.array(nm), tuple(names), np.array(k), np.array(s), errors(k_error), errors(s_error), relative,
-                       Surface(*interface))
+                       Surface(*interface), np.array(density))
 
     @staticmethod
     def load(file: Union[str, "os.PathLike[str]"]) -> "Palette":
@@ -471,7 +474,8 @@ class Palette:
         return Palette._of(_aureole.pigment_palette(os.fspath(file)))
 
     def _parts(self) -> Any:
-        return (self.nm.tolist(), list(self.names), self.k.tolist(), self.s.tolist(), [], [], self.relative, tuple(self.surface))
+        return (self.nm.tolist(), list(self.names), self.k.tolist(), self.s.tolist(), [], [], self.relative, tuple(self.surface),
+                self.density.tolist())
 
     def fractions(self, recipe: Union[str, Mapping[str, float]]) -> Reals:
         """Mass fractions, one for each paint, of "red: 1 + white: 3" or {"red": 1, "white": 3}."""
@@ -482,6 +486,9 @@ class Palette:
     def mix(self, recipe: Union[str, Mapping[str, float]]) -> Paint:
         """A mixture by mass."""
         fractions = self.fractions(recipe)
+        if self.density.size:
+            fractions = fractions / self.density
+            fractions /= fractions.sum()
         return Paint(self.nm, fractions @ np.maximum(self.k, 0), fractions @ np.maximum(self.s, 0), self.surface)
 
     def match(self, target: npt.ArrayLike, *, paints: int = 3, solutions: int = 5, illuminant: str = "D65",

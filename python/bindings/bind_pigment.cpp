@@ -34,9 +34,9 @@ namespace {
 using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;  ///< a row for each paint
 using SurfaceNumbers = std::tuple<double, double, double>;
-/// Wavelengths, names, K, S, errors of K, of S, relative, surface.
+/// Wavelengths, names, K, S, errors of K, of S, relative, surface, densities of a palette that mixes by volume.
 using PaletteParts =
-    std::tuple<Numbers, std::vector<std::string>, Table, Table, Table, Table, bool, SurfaceNumbers>;
+    std::tuple<Numbers, std::vector<std::string>, Table, Table, Table, Table, bool, SurfaceNumbers, Numbers>;
 
 SurfaceNumbers numbers_of(const pigment::Surface& s) { return {s.seen, s.through, s.k2}; }
 pigment::Surface surface_of(const SurfaceNumbers& s) {
@@ -49,15 +49,20 @@ PaletteParts parts_of(const pigment::Palette& p) {
     k.push_back(one.k), s.push_back(one.s);
     k_error.push_back(one.k_error), s_error.push_back(one.s_error);
   }
-  return {p.nm, p.names(), k, s, k_error, s_error, p.relative, numbers_of(p.surface)};
+  Numbers densities;
+  if (p.by_volume)
+    for (const pigment::Pigment& one : p.pigments) densities.push_back(one.density);
+  return {p.nm, p.names(), k, s, k_error, s_error, p.relative, numbers_of(p.surface), densities};
 }
 
 pigment::Palette palette_of(const PaletteParts& parts) {
-  const auto& [nm, names, k, s, k_error, s_error, relative, surface] = parts;
+  const auto& [nm, names, k, s, k_error, s_error, relative, surface, densities] = parts;
   pigment::Palette p;
   p.nm = nm, p.relative = relative, p.surface = surface_of(surface);
   for (std::size_t i = 0; i < names.size(); ++i)
-    p.pigments.push_back({.name = names[i], .k = k.at(i), .s = s.at(i)});
+    p.pigments.push_back(
+        {.name = names[i], .k = k.at(i), .s = s.at(i), .density = densities.empty() ? 0 : densities.at(i)});
+  p.by_volume = !densities.empty();
   return p;
 }
 

@@ -352,5 +352,35 @@ TEST_F(PigmentCli, TemplateAndJointFitsRefuseWithAReason) {
   EXPECT_EQ(run("fit film.csv --joint"), 0) << said;
 }
 
+TEST_F(PigmentCli, WhatAJointFitNotes) {
+  const std::string head = "sample,paints,backing,400,700,,\n";
+  write(
+      "t.csv",
+      head +
+          "a,white,0.1,0.8,0.8,,\nb,white,0.8,0.9,0.9,,\nc,white: 9 + Whit: 1,0.8,0.7,0.01,,\nred,red,0.8,0.1,0.7,,\n"
+          "d,white: 9 + red: 1,0.8,0.5,0.8,,\ne,white: 1 + red: 1,0.8,0.2,0.75,,\n");
+  ASSERT_EQ(run("fit t.csv --joint --k1 0.04 --k2 0.6 --specular included --hold-out 'd, e' -o p.csv"), 0)
+      << said;
+  for (const char* part :
+       {"interface: Saunderson, k1 0.04, k2 0.6, specular included",
+        "t.csv:4: the paint \"Whit\" is in one mixture only and never alone; did you mean \"white\"?",
+        "1 value that no paint has under this interface count", "line 4, sample \"c\" at 700 nm"})
+    EXPECT_NE(said.find(part), std::string::npos) << part << "\n" << said;
+  ASSERT_EQ(run("fit t.csv --joint --specular included --white blanc"), 0) << said;
+  for (const char* part : {"interface: none", "two fluxes:", "(kept without --hold-out)",
+                           "--specular: has no effect", "--white: no paint of t.csv is called \"blanc\""})
+    EXPECT_NE(said.find(part), std::string::npos) << part << "\n" << said;
+  ASSERT_EQ(run("mix p.csv white --substrate 0.5"), 0) << said;
+  EXPECT_NE(said.find("--substrate: has no effect without --thickness"), std::string::npos) << said;
+  write("high.csv", head + "a,white,0.1,0.8,0.8,,\nb,white,0.8,0.9,1.2,,\n");
+  fails("fit high.csv --joint", "high.csv:3:17: sample \"b\" at 700 nm: 1.2 is above 1.05");
+  write("gap.csv", head + "a,white,0.1,,0.8,,\n");
+  fails("fit gap.csv --joint", "sample \"a\" has no value at 400 nm; the measurement or this wavelength");
+  write("latin.csv", "sample,paints,400,700\na,wei\xDF,0.8,0.8\nb,wei\xDF,0.9,0.9\n");
+  ASSERT_EQ(run("fit latin.csv --white wei\xC3\x9F --noise 0.02"), 0) << said;
+  EXPECT_NE(said.find("is taken for Windows-1252"), std::string::npos) << said;
+  EXPECT_NE(said.find("--noise: has no effect without --joint"), std::string::npos) << said;
+}
+
 }  // namespace
 }  // namespace aureole::test

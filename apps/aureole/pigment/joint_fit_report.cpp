@@ -85,9 +85,8 @@ struct Candidate {
   std::vector<pigment::HeldOut> held;
   std::map<std::string, double> difference;
 
-  /// Smaller is better: the held-out error if there is one, or the cost of the fit.
+  /// Smaller is better: the mean difference of what was kept back.
   double merit() const {
-    if (difference.empty()) return fit->cost();
     std::vector<double> all;
     for (const auto& [name, d] : difference) all.push_back(d);
     return mean(all);
@@ -131,7 +130,8 @@ void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
     json["only_k_over_s_known"] = hidden;
   }
   fmt::print(
-      "Errors are medians over wavelengths of one standard deviation. Volume: per mass, relative to the mean paint.\n");
+      "Errors are medians over wavelengths of one standard deviation. Volume: per mass, relative to the mean paint; "
+      "the palette has it as densities, by which `mix` and `match` convert masses.\n");
 }
 
 void print_specimens(const pigment::SampleTable& table, const pigment::JointFit& fit, nlohmann::json& out) {
@@ -169,6 +169,30 @@ void print_specimens(const pigment::SampleTable& table, const pigment::JointFit&
     for (const pigment::SpecimenReport::Dose& d : r.doses)
       one["amounts"][d.paint] = {{"factor", d.factor}, {"error", d.error}};
     out["specimens"].push_back(std::move(one));
+  }
+}
+
+/// Notes paints of which nothing is known but one mixture: often another paint's name misspelt.
+void note_single_uses(const std::string& file, const pigment::SampleTable& table) {
+  struct Uses {
+    std::set<std::string> mixtures;
+    int line = 0;
+    bool alone = false;
+  };
+  std::map<std::string, Uses> paints;
+  for (const pigment::Sample& s : table.samples)
+    for (const pigment::Component& c : s.paints) {
+      Uses& uses = paints[c.name];
+      uses.mixtures.insert(pigment::specimen_key(s)), uses.alone = uses.alone || s.paints.size() == 1;
+      if (uses.line == 0) uses.line = s.line;
+    }
+  for (const auto& [name, uses] : paints) {
+    if (uses.alone || uses.mixtures.size() > 1) continue;
+    std::vector<std::string> others;
+    for (const auto& [other, of] : paints)
+      if (other != name) others.push_back(other);
+    tell("note: {}: the paint \"{}\" is in one mixture only and never alone{}\n",
+         uses.line > 0 ? fmt::format("{}:{}", file, uses.line) : file, name, did_you_mean(name, others));
   }
 }
 
@@ -245,7 +269,9 @@ void JointOptions::declare(CommandOptions& options) {
       "fit all measurements together, with thickness and amounts as unknowns; films over cards need no "
       "thickness");
   options
-      .add("--theory", theory, "with --joint: two-flux, streams, or best: both, and the better one is kept")
+      .add(
+          "--theory", theory,
+          "with --joint: two-flux, streams, or best: both, and with --hold-out the better one is kept, else two-flux")
       .one_of({"two-flux", "streams", "best"})
       .shows_default();
   options
@@ -274,6 +300,9 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
   const pigment::Observation lamp = observe(illuminant, table.nm);
   const bool keeps_back = !options.hold_out.empty();
   return located_in(file, table, [&] {
+    for (const std::string& note : pigment::range_notes(table, surface.surface()))
+      tell("note: {}: {}\n", file, note);
+    note_single_uses(file, table);
     std::vector<Candidate> candidates;
     const auto add = [&](std::unique_ptr<pigment::FilmTheory> theory) {
       Candidate& c = candidates.emplace_back();
@@ -307,9 +336,13 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
       plain = differences(
           table, pigment::hold_out_plain(table, *two, groups, white, options.black, for_ranges), lamp);
     }
+    // A smaller sum of squares alone does not tell that a theory predicts better; two fluxes come first, and they
+    // are what `mix` and `match` use.
     Candidate& best =
-        *std::min_element(candidates.begin(), candidates.end(),
-                          [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
+        !keeps_back
+            ? candidates.front()
+            : *std::min_element(candidates.begin(), candidates.end(),
+                                [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
     best.fit->with_errors();
     pigment::Palette palette = best.fit->palette();
     palette.surface = surface.surface();
@@ -329,7 +362,10 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
       fmt::print(
           "{:<12} sum of squares {:.0f} in {} steps; rms of a specimen: median {:.2f} %, largest {:.2f} %{}\n",
           c.name + ":", c.fit->cost(), c.fit->iterations(), median(rms),
-          *std::max_element(rms.begin(), rms.end()), &c == &best && candidates.size() > 1 ? " (kept)" : "");
+          *std::max_element(rms.begin(), rms.end()),
+          &c != &best || candidates.size() == 1 ? ""
+          : keeps_back                          ? " (kept)"
+                                                : " (kept without --hold-out)");
       out["theories"][c.name] = {
           {"cost", c.fit->cost()}, {"median_rms_percent", median(rms)}, {"kept", &c == &best}};
     }

@@ -134,6 +134,29 @@ nlohmann::json report_json(const pigment::FitReport& r) {
   return out;
 }
 
+/// Notes options that have no effect, and names of paints that the table does not have.
+void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
+  o.surface.note_unused();
+  const JointOptions usual;
+  const pigment::JointSettings &set = o.joint.settings, &standard = usual.settings;
+  for (const auto& [option, is_given] : {std::pair{"--theory", o.joint.theory != usual.theory},
+                                         {"--noise", set.noise != standard.noise},
+                                         {"--amount-error", set.dose != standard.dose},
+                                         {"--thickness-error", set.thickness != standard.thickness},
+                                         {"--black", o.joint.black != usual.black}})
+    if (is_given && !o.joint.joint) tell("note: {}: has no effect without --joint\n", option);
+  if (o.joint.joint && !o.joint.hold_out.empty()) return;  // both names are noted there
+  std::vector<std::string> names;
+  for (const pigment::Sample& s : table.samples)
+    for (const pigment::Component& c : s.paints)
+      if (std::find(names.begin(), names.end(), c.name) == names.end()) names.push_back(c.name);
+  for (const auto& [option, name, standard_name] :
+       {std::tuple{"--white", o.white, FitOptions().white}, {"--black", o.joint.black, usual.black}})
+    if (name != standard_name && std::find(names.begin(), names.end(), name) == names.end())
+      tell("note: {}: no paint of {} is called \"{}\"{}\n", option, o.samples, name,
+           did_you_mean(name, names));
+}
+
 int fit(const FitOptions& o) {
   if (o.is_template) {
     if (std::filesystem::exists(o.samples)) throw Error("--template: the file " + o.samples + " exists");
@@ -144,6 +167,7 @@ int fit(const FitOptions& o) {
   const pigment::SampleTable table = read_sample_file(o.samples);
   const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
   for (const std::string& note : table.notes) tell("note: {}: {}\n", o.samples, note);
+  note_unused(o, table);
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
     tell("note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
@@ -151,6 +175,7 @@ int fit(const FitOptions& o) {
     nlohmann::json out;
     SurfaceOptions surface = o.surface;
     if (ours) surface.geometry = "45_0";
+    fmt::print("interface: {}\n", surface.text());
     const auto [palette, ratio_error] =
         fit_jointly(o.samples, table, o.joint, surface, o.white, o.illuminant, out);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
@@ -163,6 +188,7 @@ int fit(const FitOptions& o) {
   const pigment::Fit found = fit_file(o.samples, table, settings);
   const pigment::Palette& palette = found.palette;
 
+  if (!ours) fmt::print("interface: {}\n", o.surface.text());
   fmt::print("{}: {} paints, {} measurements, {} wavelengths from {:g} to {:g} nm; K and S {}\n\n", o.samples,
              palette.pigments.size(), table.samples.size(), palette.nm.size(), palette.nm.front(),
              palette.nm.back(), palette.relative ? "relative to S of \"" + o.white + "\"" : "per metre");

@@ -62,6 +62,7 @@ int match(const MatchOptions& o) {
   set_bounds(palette, o.least, "--least", settings.least);
   set_bounds(palette, o.most, "--most", settings.most);
   settings.thickness = thickness_for(palette, o.thickness);
+  note_substrate(o.substrate, o.thickness);
   settings.substrate = {o.substrate};
 
   const auto start = std::chrono::steady_clock::now();

@@ -44,6 +44,7 @@ int mix(const MixOptions& o) {
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
   const double thickness = thickness_for(palette, o.layer.thickness);
+  note_substrate(o.substrate, o.layer.thickness);
   const double substrate[] = {o.substrate};
   const pigment::Observation lamp = observe(o.layer.illuminant, palette.nm);
   const auto reflectance = [&](const std::vector<double>& f) {

@@ -52,6 +52,25 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
+void SurfaceOptions::note_unused() const {
+  if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
+  if (specular == "included" && (!given() || geometry == "none"))
+    tell("note: --specular: has no effect without an interface (--geometry, or --k1 and --k2)\n");
+}
+
+void note_substrate(double substrate, const std::string& thickness) {
+  if (substrate != 1 && thickness.empty())
+    tell("note: --substrate: has no effect without --thickness: the layer is opaque\n");
+}
+
+std::string SurfaceOptions::text() const {
+  const std::string light = ", specular " + specular;
+  if (k1 >= 0) return fmt::format("Saunderson, k1 {:g}, k2 {:g}{}", k1, k2, light);
+  if (!given() || geometry == "none") return "none";
+  return fmt::format("{} {}, index {:g}{}", alpha > 0 ? fmt::format("rough (alpha {:g}),", alpha) : "smooth,",
+                     geometry, index, geometry == "45_0" ? "" : light);
+}
+
 void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();
@@ -67,6 +86,7 @@ pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& s
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
     tell("note: {}: {} negative values of K and S count as zero\n", file, count);
+  surface.note_unused();
   if (surface.given()) palette.surface = surface.surface();
   return palette;
 }

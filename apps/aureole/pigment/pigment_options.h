@@ -22,6 +22,10 @@ struct SurfaceOptions {
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
+  /// Notes options that have no effect beside the others.
+  void note_unused() const;
+  /// The interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
+  std::string text() const;
 };
 
 /// A layer of paint: a recipe, a thickness and a substrate.
@@ -35,6 +39,9 @@ struct LayerOfPaint {
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
 /// if one is given.
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
+
+/// Notes a substrate that was given (not 1) below an opaque layer.
+void note_substrate(double substrate, const std::string& thickness);
 
 /// Parses "20um" to metres for a palette per metre, or a plain number in units of 1/S of the white for a
 /// relative one; empty: infinite.

@@ -102,7 +102,11 @@ HoldOutGroups in_groups(const SampleTable& table, int count) {
   return groups;
 }
 
-HoldOutGroups hold_out_groups(const SampleTable& table, const std::vector<std::string>& words) {
+HoldOutGroups hold_out_groups(const SampleTable& table, std::vector<std::string> words) {
+  for (std::string& word : words) {
+    word.erase(0, std::min(word.find_first_not_of(" \t"), word.size()));
+    word.erase(word.find_last_not_of(" \t") + 1);
+  }
   const std::vector<std::string> names = Specimens(table).names;
   if (words.size() == 1 && std::find(names.begin(), names.end(), words.front()) == names.end()) {
     const std::string& word = words.front();

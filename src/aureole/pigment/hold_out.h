@@ -29,7 +29,7 @@ HoldOutGroups in_groups(const SampleTable& table, int count);
 
 /// The groups that words name: names of specimens that are kept back together; or one word that is not such a name,
 /// "each" (every mixture by itself) or a number of groups.
-HoldOutGroups hold_out_groups(const SampleTable& table, const std::vector<std::string>& words);
+HoldOutGroups hold_out_groups(const SampleTable& table, std::vector<std::string> words);
 
 /// Fits without each group in turn, starting from `full`, the fit of all specimens. Throws std::domain_error if a
 /// name is not that of a specimen, with the known ones.

@@ -570,9 +570,11 @@ JointFit::JointFit(const SampleTable& table, const FilmTheory& theory, const Joi
   const JointSystem& s = *system_;
   palette_.nm = table.nm;
   palette_.relative = palette_.per_film = !s.metric_;
+  palette_.by_volume = true;
   for (int p = 0; p < s.paints(); ++p) {
     Pigment& pigment = palette_.pigments.emplace_back();
     pigment.name = s.names_[std::size_t(p)];
+    pigment.density = std::exp(-s.border_[s.volume_unknown(p)]);
     for (std::size_t l = 0; l < table.nm.size(); ++l) {
       pigment.k.push_back(std::exp(s.chain_(s.paint_unknown(p, 0), Eigen::Index(l))) / s.unit_);
       pigment.s.push_back(std::exp(s.chain_(s.paint_unknown(p, 1), Eigen::Index(l))) / s.unit_);
@@ -756,6 +758,32 @@ std::vector<std::string> joint_notes(const JointFit& fit) {
     notes.push_back("the cards below " + names +
                     " reflect nearly the same, so that they tell nothing of transmission");
   return notes;
+}
+
+std::vector<std::string> range_notes(const SampleTable& table, const Surface& surface) {
+  constexpr double kLargest = 1.05;
+  int count = 0;
+  std::string first;
+  for (std::size_t s = 0; s < table.samples.size(); ++s) {
+    const Sample& sample = table.samples[s];
+    for (std::size_t l = 0; l < sample.values.size(); ++l) {
+      const double value = sample.values[l];
+      const std::string at = "sample \"" + sample.name + "\" at " + number_text(table.nm[l]) + " nm: ";
+      if (value > kLargest)
+        throw SampleError(
+            s, int(l), at + number_text(value) + " is above 1.05; are these per cent, or is a digit wrong?");
+      if (sample.quantity == Sample::Quantity::transmittance) continue;
+      try {
+        inner_reflectance(surface, value);
+      } catch (const std::domain_error& e) {
+        if (count++ == 0)
+          first = (sample.line > 0 ? "line " + std::to_string(sample.line) + ", " : "") + at + e.what();
+      }
+    }
+  }
+  if (count == 0) return {};
+  return {std::to_string(count) + (count == 1 ? " value" : " values") +
+          " that no paint has under this interface count as noise; the first: " + first};
 }
 
 }  // namespace aureole::pigment

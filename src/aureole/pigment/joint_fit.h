@@ -79,7 +79,7 @@ public:
   ~JointFit();
   JointFit(JointFit&&) noexcept;
 
-  /// Mean K and S of each paint over its series, with standard errors if `with_errors` was called before.
+  /// Mean K and S of each paint over its series, and its relative density, the inverse of its volume, with standard errors if `with_errors` was called before.
   const Palette& palette() const { return palette_; }
   /// Standard error of ln(K/S), by paint and wavelength; empty before `with_errors`.
   const std::vector<std::vector<double>>& ratio_error() const { return ratio_error_; }
@@ -107,6 +107,10 @@ private:
 
 /// Notes about the data of a fit: cards that were not measured, specimens over cards that are alike.
 std::vector<std::string> joint_notes(const JointFit& fit);
+
+/// Throws SampleError for a reflectance or transmittance above 1.05, and notes those that no paint has under the
+/// interface: a few, by noise, are measurements like any other.
+std::vector<std::string> range_notes(const SampleTable& table, const Surface& surface);
 
 /// The key of a sample's specimen: its column "specimen", or else recipe, thickness and series.
 std::string specimen_key(const Sample& sample);

@@ -44,8 +44,13 @@ public:
     std::fill(k_.begin(), k_.end(), 0.0);
     std::fill(s_.begin(), s_.end(), 0.0);
     const std::size_t n = k_.size();
+    double volume = 0;
+    if (palette_.by_volume)
+      for (std::size_t p = 0; p < paints_.size(); ++p)
+        volume += shares[p] / palette_.pigments[paints_[p]].density;
     for (std::size_t p = 0; p < paints_.size(); ++p) {
-      const double share = shares[p];
+      const double share =
+          volume > 0 ? shares[p] / (palette_.pigments[paints_[p]].density * volume) : shares[p];
       const double *k = palette_.pigments[paints_[p]].k.data(), *s = palette_.pigments[paints_[p]].s.data();
       for (std::size_t i = 0; i < n; ++i) k_[i] += share * k[i], s_[i] += share * s[i];
     }

@@ -39,6 +39,8 @@ void check(const Palette& palette) {
       for (const double value : {p.k[i], p.s[i]})
         require(std::isfinite(value), value, "pigment \"" + p.name + "\": K and S",
                 ("must be finite at " + number_text(palette.nm[i]) + " nm").c_str());
+    if (palette.by_volume && !(p.density > 0 && std::isfinite(p.density)))
+      throw std::domain_error("the palette mixes by volume and needs the density of \"" + p.name + "\"");
   }
 }
 
@@ -76,6 +78,15 @@ std::vector<double> fractions_of_volumes(const Palette& palette, std::span<const
   return fractions_of_parts(masses);
 }
 
+std::vector<double> mixing_fractions(const Palette& palette, std::span<const double> fractions) {
+  std::vector<double> shares(fractions.begin(), fractions.end());
+  if (!palette.by_volume) return shares;
+  double sum = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) sum += shares[i] /= palette.pigments[i].density;
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
 Paint mix(const Palette& palette, std::span<const double> fractions) {
   if (fractions.size() != palette.pigments.size())
     throw std::domain_error("a recipe needs an amount for each pigment");
@@ -85,12 +96,13 @@ Paint mix(const Palette& palette, std::span<const double> fractions) {
     sum += f;
   }
   require(std::abs(sum - 1) < 1e-6, sum, "sum of the fractions", "must be 1");
+  const std::vector<double> shares = mixing_fractions(palette, fractions);
   Paint paint(palette.nm.size());
-  for (std::size_t p = 0; p < fractions.size(); ++p)
-    if (fractions[p] > 0)
+  for (std::size_t p = 0; p < shares.size(); ++p)
+    if (shares[p] > 0)
       for (std::size_t i = 0; i < paint.size(); ++i) {
-        paint[i].k += fractions[p] * palette.pigments[p].k[i];
-        paint[i].s += fractions[p] * palette.pigments[p].s[i];
+        paint[i].k += shares[p] * palette.pigments[p].k[i];
+        paint[i].s += shares[p] * palette.pigments[p].s[i];
       }
   return paint;
 }

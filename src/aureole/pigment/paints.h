@@ -20,7 +20,7 @@ struct Pigment {
   std::vector<double> k, s;
   std::vector<double> k_error = {}, s_error = {};  ///< standard errors; empty: unknown
   double density = 0;  ///< mass per volume, in one unit for all paints; 0: unknown. Recipes by volume need
-                       ///< it.
+                       ///< it, and mixtures in a palette that mixes by volume.
 };
 
 /// Paints that can be mixed with each other: common wavelengths, unit and binder.
@@ -31,7 +31,8 @@ struct Palette {
                          ///< Otherwise they are per metre.
   bool per_film = false;  ///< with `relative`: K and S are per thickness of the films that were measured, and
                           ///< thickness counts in films
-  Surface surface = {};   ///< between the binder and air, for the instrument of the measurements
+  bool by_volume = false;  ///< K and S add up by volume rather than by mass; all pigments have a density
+  Surface surface = {};    ///< between the binder and air, for the instrument of the measurements
 
   std::optional<std::size_t> find(std::string_view name) const;
   std::vector<std::string> names() const;
@@ -41,8 +42,8 @@ struct Palette {
 std::string_view unit_name(const Palette& palette);
 
 /// Throws std::domain_error, with the name of the pigment and the wavelength, if the palette has no
-/// wavelengths or no pigments, if wavelengths do not increase, if a number is missing or not finite, or if a
-/// name occurs twice.
+/// wavelengths or no pigments, if wavelengths do not increase, if a number is missing or not finite, if a name
+/// occurs twice, or if a density is missing in a palette that mixes by volume.
 void check(const Palette& palette);
 
 /// Sets negative K and S to zero and returns their number. They are unphysical but occur in fits of noisy or
@@ -57,11 +58,15 @@ std::vector<double> fractions_of_parts(std::span<const double> parts);
 /// that names a used pigment without density.
 std::vector<double> fractions_of_volumes(const Palette& palette, std::span<const double> volumes);
 
+/// The weights by which K and S of a palette add up, for mass fractions that sum to one: these, or volume fractions
+/// if the palette mixes by volume.
+std::vector<double> mixing_fractions(const Palette& palette, std::span<const double> fractions);
+
 /// K and S of a paint at the wavelengths of a palette.
 using Paint = std::vector<Coefficients>;
 
 /// Two-constant mixture by mass fractions that sum to one: K = sum c_i K_i, S = sum c_i S_i (D. R. Duncan,
-/// Proc. Phys. Soc. 52, 1940).
+/// Proc. Phys. Soc. 52, 1940), where c_i are `mixing_fractions`.
 Paint mix(const Palette& palette, std::span<const double> fractions);
 
 /// Single-constant theory, for little colorant in much white or in a textile whose scattering is constant:

@@ -39,6 +39,7 @@ std::string palette_text(const Palette& palette) {
   out << "unit," << unit_name(palette) << "\nsurface seen," << exact(palette.surface.seen)
       << "\nsurface through," << exact(palette.surface.through) << "\nsurface k2,"
       << exact(palette.surface.k2) << "\n";
+  if (palette.by_volume) out << "mixing,volume\n";
   for (const Pigment& p : palette.pigments)
     if (p.density > 0) out << cell("density " + p.name) << "," << exact(p.density) << "\n";
   std::vector<const std::vector<double>*> columns;
@@ -80,13 +81,19 @@ Palette read_palette(std::istream& text) {
       palette.surface.through = number_of(row, 1);
     } else if (key == "surface k2") {
       palette.surface.k2 = number_of(row, 1);
+    } else if (key == "mixing") {
+      const std::string& mixing = row.cells[1].text;
+      if (mixing != "mass" && mixing != "volume")
+        throw TextError(row.line, row.cells[1].column,
+                        "mixing must be mass or volume, got \"" + mixing + "\"");
+      palette.by_volume = mixing == "volume";
     } else if (key.starts_with("density ")) {
       densities.emplace_back(key.substr(8), number_of(row, 1));
     } else {
       throw TextError(row.line, row.cells[0].column,
                       "unknown key \"" + key +
-                          "\"; a palette begins with unit, surface seen, surface through, surface k2 "
-                          "or density, and then a line of headings from \"nm\" on");
+                          "\"; a palette begins with unit, surface seen, surface through, surface k2, "
+                          "mixing or density, and then a line of headings from \"nm\" on");
     }
   }
   if (at == rows.size()) throw TextError(0, 0, "there is no line of headings that begins with \"nm\"");

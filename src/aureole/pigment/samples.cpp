@@ -245,6 +245,11 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
     Sample& one = all.emplace_back(s);
     bool down = false;
     for (const std::size_t column : run) {
+      if (row.cells[column].text.empty())
+        throw TextError(line(column), row.cells[column].column,
+                        "sample \"" + s.name + "\" has no value at " +
+                            number_text(columns.nm[one.values.size()]) +
+                            " nm; the measurement or this wavelength of all measurements may be left out");
       one.values.push_back(number_of(row, column) * (percent ? 0.01 : 1));
       one.columns.push_back(row.cells[column].column), one.lines.push_back(line(column));
       down = down || row.cells[column].line > 0;
@@ -324,6 +329,17 @@ Grid find_grid(std::vector<TextRow> rows, char separator) {
   return grid;
 }
 
+/// Drops columns at the end in which nothing is written, as spreadsheets add them.
+void drop_empty_columns(std::vector<TextRow>& rows) {
+  std::size_t width = rows.front().cells.size();
+  const auto is_empty = [&](const TextRow& row) {
+    return row.cells.size() < width || row.cells[width - 1].text.empty();
+  };
+  while (width > 1 && std::all_of(rows.begin(), rows.end(), is_empty)) --width;
+  for (TextRow& row : rows)
+    while (row.cells.size() > width && row.cells.back().text.empty()) row.cells.pop_back();
+}
+
 /// Changes decimal commas to points in all cells that are numbers with one comma.
 bool change_decimal_commas(std::vector<TextRow>& rows) {
   bool any = false;
@@ -341,9 +357,9 @@ bool change_decimal_commas(std::vector<TextRow>& rows) {
 }  // namespace
 
 SampleTable read_samples(std::istream& stream) {
-  const std::string text = utf8_text({std::istreambuf_iterator<char>(stream), {}});
   SampleTable table;
   std::vector<std::string>& notes = table.notes;
+  const std::string text = utf8_text({std::istreambuf_iterator<char>(stream), {}}, &notes);
   Grid best;
   for (const char separator : {',', ';', '\t'}) {
     if (separator != ',' && text.find(separator) == text.npos) continue;
@@ -378,6 +394,7 @@ SampleTable read_samples(std::istream& stream) {
       notes.push_back("the table begins in line " + std::to_string(best.rows.front().line) + "; " +
                       std::to_string(count) + " lines before it are not read");
   }
+  drop_empty_columns(best.rows);
   if (change_decimal_commas(best.rows)) notes.push_back("decimal commas are read as points");
   if (best.down) {
     const std::size_t width = best.rows.front().cells.size();

@@ -62,7 +62,7 @@ private:
 };
 
 /// Reads a table of text as laboratories write it. Cells are separated by commas, semicolons or tabs; with the last
-/// two, numbers may have decimal commas. Text may be UTF-16. Lines before the table, empty lines and lines beginning
+/// two, numbers may have decimal commas. Text may be UTF-16 or Windows-1252. Empty columns at the end, lines before the table, empty lines and lines beginning
 /// with '#' are skipped. A line names the columns, in any case: "paints" (a recipe; required), "sample", "specimen",
 /// "series", "quantity" (R or T), "backing", "thickness_um" (or "thickness (mm)"), "unit" ("fraction" or "percent"),
 /// and wavelengths: "400", "400nm", "R400", "nm400", "%R 400" and the like, in any order. Wavelengths that all come

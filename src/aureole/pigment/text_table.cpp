@@ -51,7 +51,57 @@ std::vector<TextRow> read_text_table(std::istream& text, char separator) {
   return rows;
 }
 
-std::string utf8_text(std::string bytes) {
+namespace {
+
+void append_utf8(std::string& text, unsigned code) {
+  if (code < 0x80) {
+    text += char(code);
+  } else if (code < 0x800) {
+    text += {char(0xC0 | code >> 6), char(0x80 | (code & 0x3F))};
+  } else if (code < 0x10000) {
+    text += {char(0xE0 | code >> 12), char(0x80 | (code >> 6 & 0x3F)), char(0x80 | (code & 0x3F))};
+  } else {
+    text += {char(0xF0 | code >> 18), char(0x80 | (code >> 12 & 0x3F)), char(0x80 | (code >> 6 & 0x3F)),
+             char(0x80 | (code & 0x3F))};
+  }
+}
+
+/// Whether every byte above 127 is part of a sequence of UTF-8.
+bool is_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte < 0x80) continue;
+    const std::size_t more = byte >= 0xF0 && byte < 0xF5   ? 3
+                             : byte >= 0xE0 && byte < 0xF0 ? 2
+                             : byte >= 0xC2 && byte < 0xE0 ? 1
+                                                           : 0;
+    if (more == 0 || i + more >= text.size()) return false;
+    for (std::size_t j = 1; j <= more; ++j)
+      if ((static_cast<unsigned char>(text[i + j]) & 0xC0) != 0x80) return false;
+    i += more;
+  }
+  return true;
+}
+
+/// Windows-1252 is Latin-1 but for these characters from 0x80 on; 0: none.
+constexpr unsigned kWindows1252[32] = {0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
+                                       0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
+                                       0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
+                                       0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
+
+std::string from_windows_1252(std::string_view bytes) {
+  std::string text;
+  for (const char c : bytes) {
+    const unsigned code = static_cast<unsigned char>(c);
+    const bool special = code >= 0x80 && code < 0xA0;
+    append_utf8(text, !special ? code : kWindows1252[code - 0x80] ? kWindows1252[code - 0x80] : 0xFFFD);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string utf8_text(std::string bytes, std::vector<std::string>* notes) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
   bool wide = false, big_endian = false;
   std::size_t at = 0;
@@ -71,20 +121,15 @@ std::string utf8_text(std::string bytes) {
         code = 0x10000 + ((code - 0xD800) << 10) + (unit(at + 2) - 0xDC00);
         at += 2;
       }
-      if (code < 0x80) {
-        text += char(code);
-      } else if (code < 0x800) {
-        text += {char(0xC0 | code >> 6), char(0x80 | (code & 0x3F))};
-      } else if (code < 0x10000) {
-        text += {char(0xE0 | code >> 12), char(0x80 | (code >> 6 & 0x3F)), char(0x80 | (code & 0x3F))};
-      } else {
-        text += {char(0xF0 | code >> 18), char(0x80 | (code >> 12 & 0x3F)), char(0x80 | (code >> 6 & 0x3F)),
-                 char(0x80 | (code & 0x3F))};
-      }
+      append_utf8(text, code);
     }
   } else {
     text = std::move(bytes);
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+    if (!is_utf8(text)) {
+      text = from_windows_1252(text);
+      if (notes) notes->push_back("the text is not UTF-8 and is taken for Windows-1252");
+    }
   }
   if (text.find('\n') == text.npos)
     for (char& c : text)

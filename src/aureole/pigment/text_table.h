@@ -27,8 +27,8 @@ struct TextRow {
 std::vector<TextRow> read_text_table(std::istream& text, char separator = ',');
 
 /// Text as UTF-8: UTF-16 with or without a byte order mark is converted, a byte order mark is removed, and line ends
-/// of "\r" alone become "\n".
-std::string utf8_text(std::string bytes);
+/// of "\r" alone become "\n". Other text that is not UTF-8 is taken for Windows-1252, with a note if wanted.
+std::string utf8_text(std::string bytes, std::vector<std::string>* notes = nullptr);
 
 /// Returns the text as a finite number, or nothing if it is not one.
 std::optional<double> finite_number(std::string_view text);

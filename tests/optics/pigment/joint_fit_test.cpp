@@ -8,11 +8,15 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <random>
+#include <sstream>
 
 #include "aureole/optics/stack/plane_stack.h"
 #include "aureole/pigment/hold_out.h"
 #include "aureole/pigment/kubelka_munk_layer.h"
+#include "aureole/pigment/match.h"
 #include "aureole/pigment/normal_chain.h"
+#include "aureole/pigment/observation.h"
+#include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
 
 namespace aureole::pigment {
@@ -108,6 +112,7 @@ struct Workshop {
   std::vector<double> nm;
   std::vector<std::string> names = {"white", "red", "black"};
   Surface surface = saunderson_surface(0.0418, 0.5963, Specular::excluded);
+  std::vector<double> volumes = {1, 1, 1};  ///< per mass
   std::mt19937 random{7};
 
   Workshop() {
@@ -120,12 +125,14 @@ struct Workshop {
     return paint == 0 ? 8 * std::pow(550 / l, 1.3) : paint == 1 ? 1.5 : 2;
   }
   double reflectance(const std::vector<Component>& recipe, double l, double thickness, double card) const {
-    double sum_k = 0, sum_s = 0;
+    double sum_k = 0, sum_s = 0, volume = 0;
     for (const Component& c : recipe) {
       const int p = c.name == "white" ? 0 : c.name == "red" ? 1 : 2;
-      sum_k += c.fraction * k(p, l), sum_s += c.fraction * s(p, l);
+      const double v = c.fraction * volumes[std::size_t(p)];
+      sum_k += v * k(p, l), sum_s += v * s(p, l), volume += v;
     }
-    return outer_reflectance(surface, reflectance_over(layer({sum_k, sum_s}, thickness), card));
+    return outer_reflectance(surface,
+                             reflectance_over(layer({sum_k / volume, sum_s / volume}, thickness), card));
   }
   void add_card(SampleTable& table, const std::string& name, double inner) const {
     Sample s;
@@ -169,6 +176,62 @@ TEST(JointFit, ExactDataGiveThePaintsBack) {
       EXPECT_NEAR(found.k[l] / lab.k(p, lab.nm[l]), 1, 2e-2) << found.name << lab.nm[l];
     }
   for (const SpecimenReport& r : fit.specimens()) EXPECT_LT(r.rms, 1e-5) << r.name;
+}
+
+/// The palette of a fit mixes as the fit does: paints with unequal volumes per mass keep them.
+TEST(JointFit, ThePaletteMixesAsTheFit) {
+  Workshop lab;
+  lab.volumes = {0.5, 1.6, 1.2};
+  const SampleTable table = lab.table(0);
+  const auto theory = two_flux_theory(lab.surface);
+  JointSettings settings;
+  settings.noise = 1e-4, settings.noise_relative = 0, settings.dose = 0, settings.thickness = 0;
+  const JointFit fit(table, *theory, settings);
+  Palette written = fit.palette();
+  written.surface = lab.surface;
+  std::istringstream text(palette_text(written));
+  const Palette palette = read_palette(text);
+  double worst = 0, by_mass = 0;
+  for (const Sample& s : table.samples) {
+    if (s.paints.empty()) continue;
+    std::vector<double> fractions(palette.pigments.size());
+    for (const Component& c : s.paints) fractions[*palette.find(c.name)] = c.fraction;
+    const double card[] = {s.backing == "dark" ? 0.05 : 0.8};
+    const auto mixed = paint_reflectance(mix(palette, fractions), 1, card, palette.surface);
+    Palette masses = palette;
+    masses.by_volume = false;
+    const auto plain = paint_reflectance(mix(masses, fractions), 1, card, palette.surface);
+    for (std::size_t l = 0; l < lab.nm.size(); ++l) {
+      worst = std::max(worst, std::abs(mixed[l] - s.values[l]));
+      by_mass = std::max(by_mass, std::abs(plain[l] - s.values[l]));
+    }
+  }
+  EXPECT_LT(worst, 0.005);
+  EXPECT_GT(by_mass, 0.03);  // without the volumes
+
+  // A match finds the masses of a mixture again.
+  const auto bell = [](double centre) {
+    return [=](double nm) { return std::exp(-std::pow((nm - centre) / 40, 2)); };
+  };
+  const Observation lamp("equal energy", palette.nm, [](double) { return 1.0; },
+                         {bell(600), bell(550), bell(450)});
+  MatchTarget target;
+  const double dark[] = {0.05};
+  std::vector<double> fractions(3);
+  fractions[*palette.find("red")] = 0.3, fractions[*palette.find("white")] = 0.7;
+  target.reflectance = paint_reflectance(mix(palette, fractions), 1, dark, palette.surface);
+  target.lab = lamp.lab(target.reflectance);
+  MatchSettings match_settings;
+  match_settings.max_paints = 2, match_settings.thickness = 1, match_settings.substrate = {0.05};
+  const auto found = match(palette, target, lamp, {}, match_settings);
+  ASSERT_FALSE(found.empty());
+  for (std::size_t p = 0; p < 3; ++p) EXPECT_NEAR(found[0].fractions[p], fractions[p], 0.003);
+
+  std::string missing = palette_text(written);
+  missing.erase(missing.find("density white"),
+                missing.find('\n', missing.find("density white")) + 1 - missing.find("density white"));
+  std::istringstream without(missing);
+  EXPECT_THROW(read_palette(without), TextError);
 }
 
 /// Errors of the fit are those of many repeated experiments, for quantities that the data determine.

@@ -170,7 +170,8 @@ std::string kind_of(const std::string& file, const std::string& text) {
 pigment::SampleTable read_sample_file(const std::string& file) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
-  const std::string text = pigment::utf8_text(read_table_file(file).str());
+  std::vector<std::string> of_text;
+  const std::string text = pigment::utf8_text(read_table_file(file).str(), &of_text);
   const std::string kind = kind_of(file, text);
   if (kind == "json") {
     table = read_json_samples(file);
@@ -183,6 +184,7 @@ pigment::SampleTable read_sample_file(const std::string& file) {
     } catch (const pigment::TextError& e) {
       throw Error({file, e.line(), e.column()}, e.what());
     }
+    table.notes.insert(table.notes.begin(), of_text.begin(), of_text.end());
   }
   located_in(file, table, [&] { return pigment::check(table), 0; });
   return table;
@@ -223,6 +225,7 @@ json palette_json(const pigment::Palette& palette) {
        {{"seen", palette.surface.seen}, {"through", palette.surface.through}, {"k2", palette.surface.k2}}},
       {"wavelengths_nm", palette.nm},
       {"pigments", json::array()}};
+  if (palette.by_volume) out["mixing"] = "volume";
   for (const pigment::Pigment& p : palette.pigments) {
     json one = {{"name", p.name}, {"k", p.k}, {"s", p.s}};
     if (!p.k_error.empty()) one["k_error"] = p.k_error, one["s_error"] = p.s_error;
