@@ -258,16 +258,13 @@ std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutP
   return located_in(file, table, [&] {
     pigment::JointSettings settings;
     settings.noise = noise, settings.thickness = thickness, settings.dose = amount;
+    const auto how = geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
+                     : geometry == "45_0"  ? pigment::Geometry::angle_45_0
+                                           : pigment::Geometry::diffuse_8;
+    const auto light = specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
     const std::unique_ptr<pigment::FilmTheory> theory =
-        streams
-            ? pigment::streams_theory({.index = index,
-                                       .g = g,
-                                       .geometry = geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
-                                                   : geometry == "45_0"  ? pigment::Geometry::angle_45_0
-                                                                         : pigment::Geometry::diffuse_8,
-                                       .specular = specular == "included" ? pigment::Specular::included
-                                                                          : pigment::Specular::excluded})
-            : pigment::two_flux_theory(surface_of(surface));
+        streams ? pigment::streams_theory({.index = index, .g = g, .geometry = how, .specular = light})
+                : pigment::two_flux_theory(surface_of(surface));
     pigment::JointFit fit(table, *theory, settings);
     std::vector<HeldOutParts> held;
     if (!hold_out.empty())
@@ -289,7 +286,7 @@ std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutP
       specimens.emplace_back(r.name, r.rms, r.weight, r.thickness, r.thickness_error, doses);
     }
     pigment::Palette palette = fit.palette();
-    palette.surface = surface_of(surface);
+    palette.surface = streams ? pigment::smooth_surface(index, how, light) : surface_of(surface);
     Names notes = table.notes;
     for (const std::string& note : pigment::joint_notes(fit)) notes.push_back(note);
     return std::tuple(parts_of(palette), fit.ratio_error(), specimens, held, notes);

@@ -26,6 +26,13 @@ struct Specimens {
         samples[std::size_t(at - keys.begin())].push_back(s);
       }
     }
+    // Specimens of one name in several series are called series/name.
+    const std::vector<std::string> short_names = names;
+    for (std::size_t n = 0; n < names.size(); ++n) {
+      const std::string& series = table.samples[samples[n].front()].series;
+      if (!series.empty() && std::count(short_names.begin(), short_names.end(), names[n]) > 1)
+        names[n] = series + "/" + names[n];
+    }
   }
 
   std::size_t index_of(const std::string& name) const {

@@ -198,6 +198,9 @@ JointSystem::Specimen JointSystem::specimen_of(const Sample& sample) const {
     if (paint < 0) throw std::domain_error("no other sample contains the paint \"" + c.name + "\"");
     specimen.parts.push_back({paint, c.fraction, -1, variant_of(sample.series, paint)});
   }
+  // Recipes name their paints in any order.
+  std::sort(specimen.parts.begin(), specimen.parts.end(),
+            [](const Part& a, const Part& b) { return a.paint < b.paint; });
   specimen.ln_thickness = sample.thickness > 0 && metric_ ? std::log(sample.thickness / unit_) : 0;
   return specimen;
 }
@@ -253,6 +256,13 @@ void JointSystem::collect(const std::vector<std::size_t>& left_out) {
                           "sample \"" + sample.name +
                               "\": its recipe differs from that of other samples of specimen \"" +
                               sample.specimen + "\"");
+      const double stated = table_.samples[rows_[same.rows.front()].sample].thickness;
+      if (std::abs(sample.thickness - stated) > 1e-6 * std::max(sample.thickness, stated))
+        throw SampleError(s, -1,
+                          "sample \"" + sample.name +
+                              "\": its thickness differs from that of other samples of specimen \"" +
+                              (sample.specimen.empty() ? same.name : sample.specimen) +
+                              "\"; give films of their own the column \"specimen\"");
     }
     Row row = row_of(s, sample);
     row.specimen = at->second;

@@ -56,7 +56,7 @@ std::optional<Wavelength> wavelength_of(const std::string& text) {
   };
   result.percent = drop('%') || heading.inside == "%";
   for (const std::string prefix : {"spectralpct", "spectraldec", "spectralnm", "spectral", "spec",
-                                   "reflectance", "refl", "wl", "nm", "r", "t"})
+                                   "reflectance", "refl", "wl", "nm", "r"})
     if (word.starts_with(prefix)) {
       word.erase(0, prefix.size());
       result.percent = result.percent || prefix == "spectralpct";
