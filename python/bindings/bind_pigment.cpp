@@ -216,10 +216,7 @@ SurfaceNumbers interface_of(const std::string& geometry, const std::string& spec
   const auto light = specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
   return naming("index", [&] {
     if (geometry == "diffuse" && alpha > 0) return numbers_of(pigment::rough_surface(index, alpha, light));
-    const auto how = geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
-                     : geometry == "d8"    ? pigment::Geometry::diffuse_8
-                                           : pigment::Geometry::angle_45_0;
-    return numbers_of(pigment::smooth_surface(index, how, light));
+    return numbers_of(pigment::smooth_surface(index, pigment::geometry_called(geometry), light));
   });
 }
 
@@ -258,9 +255,7 @@ std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutP
   return located_in(file, table, [&] {
     pigment::JointSettings settings;
     settings.noise = noise, settings.thickness = thickness, settings.dose = amount;
-    const auto how = geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
-                     : geometry == "45_0"  ? pigment::Geometry::angle_45_0
-                                           : pigment::Geometry::diffuse_8;
+    const auto how = pigment::geometry_called(geometry);
     const auto light = specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
     const std::unique_ptr<pigment::FilmTheory> theory =
         streams ? pigment::streams_theory({.index = index, .g = g, .geometry = how, .specular = light})

@@ -57,7 +57,6 @@ std::map<std::string, double> differences(const pigment::SampleTable& table,
 
 /// Fraction of measured values within the 90 % intervals of their predictions.
 double coverage(const pigment::SampleTable& table, const std::vector<pigment::HeldOut>& held) {
-  constexpr double kNormal90 = 1.6449;
   int inside = 0, count = 0;
   for (const pigment::HeldOut& h : held)
     for (std::size_t i = 0; i < h.predictions.size(); ++i)
@@ -70,9 +69,7 @@ double coverage(const pigment::SampleTable& table, const std::vector<pigment::He
 pigment::StreamsSettings streams_settings(const SurfaceOptions& o) {
   pigment::StreamsSettings s;
   s.index = o.given() && o.geometry != "none" ? o.index : 1;
-  s.geometry = o.geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
-               : o.geometry == "45_0"  ? pigment::Geometry::angle_45_0
-                                       : pigment::Geometry::diffuse_8;
+  s.geometry = pigment::geometry_called(o.geometry);
   s.specular = o.specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
   return s;
 }

@@ -76,7 +76,6 @@ std::string plot_of(const pigment::Palette& palette, const pigment::Observation&
     PlotSeries& line = plot.series.emplace_back(
         spectrum_line(palette.nm, values, p.name, screen_colour(lamp.xyz(reflectance), lamp.white())));
     if (spread.empty()) continue;
-    constexpr double kNormal90 = 1.6449;
     const std::vector<double>& of_paint = spread[std::size_t(&p - usable.pigments.data())];
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double factor = std::exp(std::min(kNormal90 * of_paint[i], kWidestBand));

@@ -41,11 +41,9 @@ pigment::Surface SurfaceOptions::surface() const {
     }
     if (alpha > 0 && geometry != "diffuse")
       throw Error("--alpha: a rough interface needs --geometry diffuse");
-    if (geometry == "diffuse")
-      return alpha > 0 ? rough_surface(index, alpha, light)
-                       : smooth_surface(index, Geometry::diffuse_diffuse, light);
-    if (geometry == "d8") return smooth_surface(index, Geometry::diffuse_8, light);
-    if (geometry == "45_0") return smooth_surface(index, Geometry::angle_45_0, light);
+    if (alpha > 0) return rough_surface(index, alpha, light);
+    if (!geometry.empty() && geometry != "none")
+      return smooth_surface(index, geometry_called(geometry), light);
   } catch (const std::domain_error& e) {
     throw Error(e.what());
   }

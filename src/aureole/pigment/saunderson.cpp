@@ -58,6 +58,12 @@ Surface saunderson_surface(double k1, double k2, Specular specular) {
   return {counted(k1, specular), (1 - k1) * (1 - k2), k2};
 }
 
+Geometry geometry_called(std::string_view name) {
+  return name == "diffuse" ? Geometry::diffuse_diffuse
+         : name == "45_0"  ? Geometry::angle_45_0
+                           : Geometry::diffuse_8;
+}
+
 Surface smooth_surface(double index, Geometry geometry, Specular specular) {
   check_index(index);
   const double k2 = optics::fresnel_diffuse_reflectance(1 / index), inside = 1 / (index * index);

@@ -4,6 +4,8 @@
 // within the binder, "outer" ones are as measured by an instrument.
 #pragma once
 
+#include <string_view>
+
 #include "aureole/pigment/kubelka_munk_layer.h"
 
 namespace aureole::pigment {
@@ -29,6 +31,8 @@ enum class Geometry {
               ///< at 8 degrees
   angle_45_0  ///< illuminated at 45 degrees, measured along the normal: never any specular light
 };
+/// The geometry called "diffuse", "d8" or "45_0".
+Geometry geometry_called(std::string_view name);
 
 /// A smooth interface to a binder of relative index n >= 1. k2 is the integral of the Fresnel reflectance for
 /// diffuse light from inside (0.5963 for 1.5). For measurement along a direction, the layer's radiance is

@@ -138,17 +138,16 @@ private:
         part.passage = edges_.part(edge.passage, segment_, is_first ? edge.passage.begin : cuts_[i - 1],
                                    is_last ? edge.passage.end : cuts_[i], !is_first, !is_last);
         // A part that is an outline for other directions keeps the sides of the whole edge.
-        if (edges_.find_side(part.passage, segment_, part.passage.in, part.passage.out, !edge.is_outline,
-                             part.side) ||
-            !edge.is_outline)
+        if (!edges_.find_side(part.passage, segment_, part.passage.in, part.passage.out, !edge.is_outline,
+                              part.side)) {
+          if (edge.is_outline) continue;
           part.side.beside = segment_.from + part.passage.p + part.side.normal * part.side.offset;
-        else
-          continue;
+        }
       }
       if (!screens_->is_one_sheet()) {
         const DetourLine line(*part.passage.edge, segment_);
         part.v = line.parameter(std::clamp(part.passage.middle, part.passage.begin, part.passage.end));
-        part.length_weight = length_weight(part.passage);
+        part.length_weight = length_weight(line, part.passage);
       }
       if (screens_->is_copy(index, part.passage, longest_)) continue;
       part.seen_from_begin = sees(part.side, true);
@@ -159,9 +158,8 @@ private:
   }
 
   /// How far an edge is long enough, in both directions from where its detour is smallest, to act like an endless one.
-  double length_weight(const EdgePassage& passage) const {
+  double length_weight(const DetourLine& line, const EdgePassage& passage) const {
     if (!passage.passes_middle()) return 0;
-    const DetourLine line(*passage.edge, segment_);
     const double v = line.parameter(passage.middle);
     const double end = std::min(line.parameter(passage.begin), line.parameter(passage.end));
     const double along = std::sqrt(std::max(0.0, end * end - v * v) / longest_);

@@ -27,7 +27,8 @@ inline double obliquity_of_turn(const Double3& in, const Double3& out) {
 
 /// The line x = a + t e of an edge, and the detours of light by way of its points. The segment must outlive it.
 struct DetourLine {
-  DetourLine(const MeshEdge& edge, const EdgeSegment& s) : segment(s), a(edge.a) {
+  DetourLine(const MeshEdge& edge, const EdgeSegment& s) : segment(s) {
+    const Double3 a(edge.a);
     const Double3 along = Double3(edge.b) - a;
     length = aureole::length(along);
     e = along * (1 / length);
@@ -100,7 +101,7 @@ struct DetourLine {
   }
 
   const EdgeSegment& segment;
-  Double3 a, e, to_a;
+  Double3 e, to_a;
   double length;
 };
 

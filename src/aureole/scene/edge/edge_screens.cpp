@@ -15,8 +15,7 @@ double cross(const PlanePoint& a, const PlanePoint& b) { return a.x * b.y - a.y 
 PlanePoint minus(const PlanePoint& a, const PlanePoint& b) { return {a.x - b.x, a.y - b.y}; }
 
 bool have_common_end(const MeshEdge& a, const MeshEdge& b) {
-  const auto equal = [](const Vec3& p, const Vec3& q) { return p.x == q.x && p.y == q.y && p.z == q.z; };
-  return equal(a.a, b.a) || equal(a.a, b.b) || equal(a.b, b.a) || equal(a.b, b.b);
+  return a.a == b.a || a.a == b.b || a.b == b.a || a.b == b.b;
 }
 
 /// The obliquity factor of light that turns at a part of an edge and at a screen, over that of light that turns at the part
@@ -55,7 +54,7 @@ std::size_t EdgeScreens::bucket_of(const PlanePoint& p) const {
   return turn > 0 ? std::min(std::size_t(turn * kBuckets), kBuckets - 1) : 0;
 }
 
-/// Calls visit(bucket) for the azimuths of an edge, the shorter way around the segment.
+/// Calls visit(bucket) for the azimuths of an edge about the segment, which span less than half a turn.
 template <class Visit>
 void EdgeScreens::for_each_bucket(std::size_t edge, const Visit& visit) const {
   std::size_t from = bucket_of(ends_[edge][0]), to = bucket_of(ends_[edge][1]);
