@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,19 @@ TEST(ParallelFor, RethrowsAnException) {
     };
     EXPECT_THROW(parallel_for(100, fails_at_17, 1), std::domain_error) << name;
   }
+}
+
+TEST(RunTogether, CallsBothAndRethrows) {
+  const auto here = std::this_thread::get_id();
+  int first = 0, second = 0;
+  run_together([&] { first = std::this_thread::get_id() == here; }, [&] { second = 2; });
+  EXPECT_EQ(first, 1);
+  EXPECT_EQ(second, 2);
+  EXPECT_THROW(run_together([] { throw std::domain_error("here"); }, [] {}), std::domain_error);
+  EXPECT_THROW(run_together([] {}, [] { throw std::range_error("elsewhere"); }), std::range_error);
+  EXPECT_THROW(
+      run_together([] { throw std::domain_error("here"); }, [] { throw std::range_error("elsewhere"); }),
+      std::domain_error);
 }
 
 }  // namespace

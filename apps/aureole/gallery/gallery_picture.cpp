@@ -56,8 +56,9 @@ std::string picture_key(const GalleryPicture& picture, GallerySize size) {
   const References references(parsed, diagnostics);
   diagnostics.throw_if_errors();
   const PictureEffort& effort = picture.effort[size];
-  return fmt::format("{} {:016x} {}x{} {} {:g}", kVersion, content_hash(parsed.root, references),
-                     effort.width, effort.height, samples_of(effort), effort.seconds);
+  return fmt::format("{} {:016x} {}x{} {} {:g}", kVersion,
+                     content_hash(elements_hash(parsed.root, references), references), effort.width,
+                     effort.height, samples_of(effort), effort.seconds);
 }
 
 RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, int threads,

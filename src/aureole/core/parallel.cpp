@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
@@ -16,6 +17,11 @@ namespace aureole {
 #ifdef AUREOLE_STD_THREADS
 
 void run_workers(int threads, const std::function<void(int)>& worker) { run_std_threads(threads, worker); }
+
+void run_together(const std::function<void()>& here, const std::function<void()>& elsewhere) {
+  here();
+  elsewhere();
+}
 
 void limit_library_threads() {}
 
@@ -40,6 +46,23 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
     tbb::task_arena arena(together);
     arena.execute([&] { tbb::parallel_for(0, threads, 1, guarded, tbb::simple_partitioner()); });
   });
+}
+
+void run_together(const std::function<void()>& here, const std::function<void()>& elsewhere) {
+  if (is_forked) {
+    here();
+    return elsewhere();
+  }
+  tbb::task_group tasks;
+  tasks.run(elsewhere);
+  try {
+    here();
+  } catch (...) {
+    tasks.cancel();  // does not begin any more
+    tasks.wait();
+    throw;
+  }
+  tasks.wait();
 }
 
 void limit_library_threads() {

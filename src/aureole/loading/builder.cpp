@@ -43,9 +43,8 @@ Error unknown_element(const Node& node) {
 ObjectPtr Builder::object(const Node& node) {
   const Node* t = target(node);
   if (!t) return nullptr;
-  const auto [place, is_new] = built_.try_emplace(t, nullptr);
-  ObjectPtr& slot = place->second;  // stays where it is while construct() adds children
-  if (!is_new) return slot;
+  ObjectPtr& slot = built_[*t];
+  if (std::exchange(is_built_[*t], true)) return slot;
   if (t->tag == "given") return slot = given(*t);
   const bool may_keep = pool_ && ObjectPool::keeps(object_family(*t));
   ObjectPtr object = may_keep ? pool_->find(keys_.of(*t)) : nullptr;

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -33,7 +32,9 @@ public:
         given_(given),
         progress_(std::move(progress)),
         pool_(pool),
-        keys_(references, given) {}
+        keys_(references, given),
+        built_(references.node_count()),
+        is_built_(references.node_count()) {}
 
   /// Returns the object of an element or of the target of a <ref>. Null if it could not be built; the reasons
   /// are reported once for all references to it.
@@ -44,8 +45,9 @@ public:
   const std::vector<std::filesystem::path>& files() const { return files_; }
   const TableProgress& table_progress() const override { return progress_; }
 
-  /// The objects built so far, by element.
-  const std::unordered_map<const Node*, ObjectPtr>& built() const { return built_; }
+  /// The objects built so far, by element; null if there is none.
+  const NodeTable<ObjectPtr>& built() const { return built_; }
+  NodeTable<ObjectPtr> take_built() { return std::move(built_); }
 
   /// Returns the element itself; for a <ref>, the element it refers to, or null if there is none.
   const Node* target(const Node& node) const { return references_.follow(node); }
@@ -66,7 +68,8 @@ private:
   TableProgress progress_;
   ObjectPool* pool_;
   PoolKeys keys_;
-  std::unordered_map<const Node*, ObjectPtr> built_;  ///< null if building failed
+  NodeTable<ObjectPtr> built_;  ///< null if building failed
+  NodeTable<char> is_built_;    ///< whether building was begun
   std::vector<std::filesystem::path> files_;
 };
 

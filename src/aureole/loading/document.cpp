@@ -132,8 +132,7 @@ ObjectPtr SceneDocument::object(const std::string& path) const {
     const auto given = options_.given.find(at.target->get("key"));
     return given == options_.given.end() ? nullptr : given->second;
   }
-  const auto found = objects_.find(at.target);
-  return found == objects_.end() ? nullptr : found->second;
+  return at.target ? objects_[*at.target] : nullptr;
 }
 
 std::vector<std::string> SceneDocument::paths() const {

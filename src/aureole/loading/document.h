@@ -10,7 +10,6 @@
 
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -63,7 +62,7 @@ private:
   LoadOptions options_;
   std::unique_ptr<ParsedScene> parsed_;
   ObjectPool pool_;
-  std::unordered_map<const Node*, ObjectPtr> objects_;
+  NodeTable<ObjectPtr> objects_;
   LoadedScene loaded_;
   std::vector<std::string> notes_;  ///< notes of the file and of all builds; kept objects add none again
 };

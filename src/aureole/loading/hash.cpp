@@ -71,14 +71,16 @@ void add_node(const Node& node, const References& references, Hash& hash) {
 class KeyMaker {
 public:
   KeyMaker(const References& references, const std::map<std::string, ObjectPtr>& given)
-      : references_(references), given_(given) {}
+      : references_(references),
+        given_(given),
+        known_(references.node_count()),
+        contents_(references.node_count()) {}
 
   /// Hash of an element's content, without its name and without ids.
   std::uint64_t content(const Node& node) {
     if (const Node* target = references_.follow(node); target && target != &node) return content(*target);
     const bool is_leaf = node.children.empty();  // cheaper to hash than to look up
-    if (const auto known = is_leaf ? contents_.end() : contents_.find(&node); known != contents_.end())
-      return known->second;
+    if (!is_leaf && contents_[node]) return *contents_[node];
     Hash hash;
     hash.text(node.tag);
     for (const Attribute& a : node.attributes) {
@@ -91,15 +93,14 @@ public:
       hash.text(child.get("name"));
       hash.number(content(child));
     }
-    if (!is_leaf) contents_[&node] = hash.value();
+    if (!is_leaf) contents_[node] = hash.value();
     return hash.value();
   }
 
   std::uint64_t key(const Node& node, bool without_children_of_shape = false) {
     if (const Node* target = references_.follow(node); target && target != &node) return key(*target);
     const bool is_kept = !without_children_of_shape && !node.children.empty();
-    if (const auto known = is_kept ? known_.find(&node) : known_.end(); known != known_.end())
-      return known->second;
+    if (is_kept && known_[node]) return *known_[node];
     Hash hash;
     hash.text(node.tag);
     for (const Attribute& a : node.attributes) {
@@ -115,7 +116,7 @@ public:
       hash.text(child.get("name"));  // the name of a reference is not part of its target's hash
       hash.number(key(child));
     }
-    if (is_kept) known_[&node] = hash.value();
+    if (is_kept) known_[node] = hash.value();
     return hash.value();
   }
 
@@ -137,7 +138,7 @@ private:
 
   const References& references_;
   const std::map<std::string, ObjectPtr>& given_;
-  std::unordered_map<const Node*, std::uint64_t> known_, contents_;
+  NodeTable<std::optional<std::uint64_t>> known_, contents_;
 };
 
 }  // namespace
@@ -160,9 +161,15 @@ std::uint64_t PoolKeys::content_of(const Node& node, const BuildContext& context
   return hash.value();
 }
 
-std::uint64_t content_hash(const Node& root, const References& references) {
+std::uint64_t elements_hash(const Node& root, const References& references) {
   Hash hash;
   add_node(root, references, hash);
+  return hash.value();
+}
+
+std::uint64_t content_hash(std::uint64_t elements, const References& references) {
+  Hash hash;
+  hash.number(elements);
   for (const auto& file : references.files) {
     InputFile input(file);
     std::vector<char> block(1 << 20);

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <unordered_map>
 
+#include "aureole/core/parallel.h"
 #include "aureole/core/units.h"
 #include "aureole/loading/assembly.h"
 #include "aureole/loading/builder.h"
@@ -143,14 +144,13 @@ ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optio
 }
 
 /// Adds the objects of the children of `parent` and of their children to `found`.
-void collect_objects(const Node& parent, const References& references,
-                     const std::unordered_map<const Node*, ObjectPtr>& built,
+void collect_objects(const Node& parent, const References& references, const NodeTable<ObjectPtr>& built,
                      std::vector<std::pair<std::string, ObjectPtr>>& found) {
   for (const Node& child : parent.children) {
     const bool alias = child.tag == "alias";
     const std::string id = child.get(alias ? "as" : "id");
-    const auto object = built.find(alias ? references.ids.find(id).node : &child);
-    if (object != built.end() && object->second) found.emplace_back(id, object->second);
+    const Node* const node = alias ? references.ids.find(id).node : &child;
+    if (node && built[*node]) found.emplace_back(id, built[*node]);
     collect_objects(child, references, built, found);
   }
 }
@@ -159,16 +159,21 @@ LoadedParts build_parts(ParsedScene& parsed, const std::shared_ptr<OwnedContext>
                         const LoadOptions& options, ObjectPool* pool, OpenedParts* opened) {
   Loading loading(parsed, owned);
   LoadedParts loaded;
-  loading.build(sensor_grid(loading.references, loading.diagnostics()), options, pool, [&](Builder& builder) {
-    SceneAssembly assembly(builder, loading.references, loading.diagnostics());
-    assembly.run(parsed.root, parsed.complete);
-    loaded.parts = std::move(assembly.parts);
-    loaded.integrator = std::move(assembly.integrator);
-    if (opened) opened->objects = builder.built();
-  });
+  std::uint64_t elements = 0;
+  const auto build = [&] {
+    loading.build(sensor_grid(loading.references, loading.diagnostics()), options, pool,
+                  [&](Builder& builder) {
+                    SceneAssembly assembly(builder, loading.references, loading.diagnostics());
+                    assembly.run(parsed.root, parsed.complete);
+                    loaded.parts = std::move(assembly.parts);
+                    loaded.integrator = std::move(assembly.integrator);
+                    if (opened) opened->objects = builder.take_built();
+                  });
+  };
+  run_together(build, [&] { elements = elements_hash(parsed.root, loading.references); });
   loaded.parts.context = loading.context();
   loaded.file = parsed.files.front()->path;
-  loaded.hash = content_hash(parsed.root, loading.references);
+  loaded.hash = content_hash(elements, loading.references);
   loaded.notes = loading.notes();
   return loaded;
 }

@@ -20,7 +20,18 @@ bool contains(const std::vector<std::string>& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
+void number_from(Node& node, std::size_t& next) {
+  node.number = std::uint32_t(next++);
+  for (Node& child : node.children) number_from(child, next);
+}
+
 }  // namespace
+
+std::size_t number_nodes(Node& root) {
+  std::size_t count = 0;
+  number_from(root, count);
+  return count;
+}
 
 const Attribute* Node::find(std::string_view name) const {
   for (const Attribute& a : attributes)
@@ -72,14 +83,16 @@ std::vector<std::string> all_tags() {
 
 bool check_attributes(const Node& node, std::initializer_list<std::string_view> required,
                       std::initializer_list<std::string_view> optional, Diagnostics& diagnostics) {
-  std::vector<std::string> allowed;
-  for (const auto& list : {required, optional})
-    for (std::string_view name : list) allowed.emplace_back(name);
-
-  for (const Attribute& a : node.attributes)
-    if (!contains(allowed, a.name))
-      diagnostics.error(a.where, "unexpected attribute \"" + a.name + "\" of <" + node.tag + ">" +
-                                     did_you_mean(a.name, allowed));
+  const auto is_in = [](std::initializer_list<std::string_view> list, std::string_view name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  for (const Attribute& a : node.attributes) {
+    if (is_in(required, a.name) || is_in(optional, a.name)) continue;
+    std::vector<std::string> allowed(required.begin(), required.end());
+    allowed.insert(allowed.end(), optional.begin(), optional.end());
+    diagnostics.error(a.where, "unexpected attribute \"" + a.name + "\" of <" + node.tag + ">" +
+                                   did_you_mean(a.name, allowed));
+  }
   bool complete = true;
   for (std::string_view name : required) {
     if (node.find(name)) continue;

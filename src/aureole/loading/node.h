@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
@@ -41,6 +42,7 @@ struct Node {
   std::vector<Node> children;
   SourceLocation where;
   SourceFilePtr file;
+  std::uint32_t number = 0;  ///< index in the tree that `number_nodes` counted last
 
   const Attribute* find(std::string_view name) const;
   Attribute* find(std::string_view name);
@@ -50,6 +52,23 @@ struct Node {
   void set(std::string_view name, std::string value);
   /// Returns the child whose attribute "name" equals `name`, or null.
   Node* named_child(std::string_view name);
+};
+
+/// Numbers a node and everything below it from 0 in document order. Returns how many nodes there are.
+std::size_t number_nodes(Node& root);
+
+/// One value for each node of a numbered tree.
+template <class T>
+class NodeTable {
+public:
+  NodeTable() = default;
+  explicit NodeTable(std::size_t nodes) : values_(nodes) {}
+  T& operator[](const Node& node) { return values_[node.number]; }
+  const T& operator[](const Node& node) const { return values_[node.number]; }
+  std::size_t size() const { return values_.size(); }
+
+private:
+  std::vector<T> values_;
 };
 
 /// Returns an element <tag name="..." value="..."/>, located at `near`.

@@ -94,14 +94,19 @@ void Ids::collect_aliases(const Node& parent, bool complete, Diagnostics& diagno
 class Resolver {
 public:
   Resolver(References& references, ParsedScene& scene, Diagnostics& diagnostics)
-      : references_(references), scene_(scene), diagnostics_(diagnostics) {}
+      : references_(references),
+        scene_(scene),
+        diagnostics_(diagnostics),
+        extents_(references.node_count()) {}
 
   void run() {
     locate_files(scene_.root);
     link(scene_.root);
     std::vector<const Node*> path;
     find_cycles(scene_.root, path);
-    if (cut_all_) references_.targets_.clear();  // cuts all references, so that no cycle is followed
+    if (cut_all_)
+      references_.targets_ = NodeTable<const Node*>(
+          references_.node_count());  // cuts all references, so that no cycle is followed
   }
 
 private:
@@ -146,8 +151,8 @@ private:
       if (id.failed) continue;
       const Node* target = references_.ids.follow(child);
       if (target) {
-        references_.targets_[&child] = target;
-        if (&node != &scene_.root) references_.nested_.insert(target);
+        references_.targets_[child] = target;
+        if (&node != &scene_.root) references_.nested_[*target] = true;
       } else if (scene_.complete) {
         diagnostics_.error(references_.ids.unknown(id));
       }
@@ -156,6 +161,7 @@ private:
 
   /// Size of the object graph below a node, with all references followed.
   struct Extent {
+    bool known = false;
     std::size_t height = 0;
     std::uint64_t references = 0;
   };
@@ -163,19 +169,19 @@ private:
   /// Traverses objects and references depth-first and cuts references that lead back into the current path.
   Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
     if (node.children.empty()) return {};  // nothing leads back from it
-    if (const auto known = extents_.find(&node); known != extents_.end()) return known->second;
+    if (extents_[node].known) return extents_[node];
     path.push_back(&node);
-    Extent extent;
+    Extent extent{true};
     for (const Node& child : node.children) {
-      const auto reference = references_.targets_.find(&child);
-      const bool refers = reference != references_.targets_.end();
-      const Node& next = refers ? *reference->second : child;
+      const Node* const target = references_.targets_[child];
+      const bool refers = target != nullptr;
+      const Node& next = refers ? *target : child;
       const auto start = std::find(path.begin(), path.end(), &next);
       if (start != path.end()) {
         report_cycle(child, next, {start, path.end()});
         // A cycle may also close by nesting, where a reference led to an object inside another one.
         if (refers)
-          references_.targets_.erase(reference);
+          references_.targets_[child] = nullptr;
         else
           cut_all_ = true;
         continue;
@@ -190,7 +196,7 @@ private:
       if (path.size() + below.height > kDeepest) too_deep(child);
     }
     path.pop_back();
-    const std::string family = object_family(node);
+    const std::string& family = object_family(node);
     if (extent.references > kMaxReferences && !family.empty() && family != "shape") {
       // Objects that refer to this one exceed the limit as well; one error is enough.
       if (!cut_all_)
@@ -198,7 +204,7 @@ private:
                                            std::to_string(kMaxReferences) + " objects");
       cut_all_ = true;
     }
-    extents_[&node] = extent;
+    extents_[node] = extent;
     return extent;
   }
 
@@ -219,19 +225,20 @@ private:
   References& references_;
   ParsedScene& scene_;
   Diagnostics& diagnostics_;
-  std::unordered_map<const Node*, Extent> extents_;
+  NodeTable<Extent> extents_;
   bool cut_all_ = false;
 };
 
 References::References(ParsedScene& scene, Diagnostics& diagnostics)
-    : ids(scene.root, scene.complete, diagnostics) {
+    : ids(scene.root, scene.complete, diagnostics),
+      targets_(number_nodes(scene.root)),
+      nested_(targets_.size()) {
   Resolver(*this, scene, diagnostics).run();
 }
 
 const Node* References::follow(const Node& node) const {
   if (node.tag != "ref") return &node;
-  const auto found = targets_.find(&node);
-  return found == targets_.end() ? nullptr : found->second;
+  return targets_[node];
 }
 
 }  // namespace aureole

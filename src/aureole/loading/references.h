@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -56,29 +55,34 @@ private:
 /// change any more.
 class References {
 public:
-  /// Makes file names absolute and finds the target of every reference. Reports duplicate ids, unknown ids,
-  /// circular references and missing files.
+  /// Numbers the nodes (`NodeTable`), makes file names absolute and finds the target of every reference. Reports
+  /// duplicate ids, unknown ids, circular references and missing files.
   References(ParsedScene& scene, Diagnostics& diagnostics);
 
   /// Returns the node itself; for a valid <ref>, its target; else null. References form no cycles.
   const Node* follow(const Node& node) const;
   /// Whether a <ref> inside another object refers to this node.
-  bool is_nested(const Node& node) const { return nested_.contains(&node); }
+  bool is_nested(const Node& node) const { return nested_[node]; }
   /// Whether the value of an attribute is the name of a file.
   bool names_file(const Attribute& attribute) const { return file_attributes_.contains(&attribute); }
+
+  /// How many nodes the tree has.
+  std::size_t node_count() const { return targets_.size(); }
 
   Ids ids;
   std::vector<std::filesystem::path> files;  ///< files that the scene names, in order
 
 private:
   friend class Resolver;
-  std::unordered_map<const Node*, const Node*> targets_;  ///< target of each valid <ref>
-  std::unordered_set<const Node*> nested_;
+  NodeTable<const Node*> targets_;  ///< target of each valid <ref>; null for other nodes
+  NodeTable<char> nested_;          ///< whether a <ref> inside another object refers to the node
   std::unordered_set<const Attribute*> file_attributes_;
 };
 
-/// A hash that changes with the content of the scene and of the referenced files, but not with comments,
-/// white space, file locations, or the sampler's sample_count and seed.
-std::uint64_t content_hash(const Node& root, const References& references);
+/// A hash that changes with the elements of the scene, but not with comments, white space, names of files, or the
+/// sampler's sample_count and seed.
+std::uint64_t elements_hash(const Node& root, const References& references);
+/// A hash that changes with the content of the scene and of the referenced files: `elements` is its `elements_hash`.
+std::uint64_t content_hash(std::uint64_t elements, const References& references);
 
 }  // namespace aureole

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "aureole/loading/load.h"
@@ -27,7 +26,7 @@ struct LoadedParts {
 
 /// LoadedParts, together with the object built for each node.
 struct OpenedParts : LoadedParts {
-  std::unordered_map<const Node*, ObjectPtr> objects;
+  NodeTable<ObjectPtr> objects;
 };
 
 /// Parses and upgrades the nodes of a file or of `text`, applies the changes of `options` and adds the

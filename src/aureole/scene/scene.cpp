@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "aureole/core/parallel.h"
 #include "aureole/scene/contact_search.h"
 #include "aureole/scene/edge/outline_edges.h"
 #include "aureole/scene/edge/scene_diffraction.h"
@@ -282,22 +283,25 @@ void Scene::weigh_lights() {
   const SampledSpectrum response = film().response();
   if (!(response.maximum() < 1e18f))
     throw Error(sensor_.properties().where(), "the sensor's response is too large to be computed with");
-  std::vector<double> powers;
-  std::vector<SampledSpectrum> spectra;
-  for (const Light& light : emitters_) {
-    const SampledSpectrum power = light.power_spectrum();
-    powers.push_back(overlap(power, response));
-    if (!std::isfinite(powers.back()))
+  std::vector<double> powers(emitters_.size());
+  std::vector<SampledSpectrum> spectra(emitters_.size());
+  for_ranges(
+      emitters_.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          spectra[i] = emitters_[i].power_spectrum();
+          powers[i] = overlap(spectra[i], response);
+        }
+      },
+      256);
+  for (std::size_t i = 0; i < emitters_.size(); ++i)
+    if (!std::isfinite(powers[i]))
       throw Error(
-          light.properties().where(),
+          emitters_[i].properties().where(),
           "the emitter's power is too large to be computed with; scale the scene or the emission down");
-    spectra.push_back(power);
-  }
   find_emitting_media(response, spectra);
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }) && !any_medium_emits_)
     notes_.push_back("no emitter has power where the film sees: the picture will be black");
-  wavelengths_ = std::make_unique<WavelengthDistribution>(
-      choose_wavelengths(response, channel_responses(film(), grid), spectra));
   // An emitter with sampling weight 0 is never chosen by light sampling, but BSDF sampling may hit it. Light
   // tracing has no second technique, so there such an emitter keeps its power.
   std::vector<double> emitted_powers = powers;
@@ -306,7 +310,12 @@ void Scene::weigh_lights() {
     powers[i] *= weight;
     if (weight > 0 || emitters_[i].is_delta()) emitted_powers[i] *= weight;
   }
-  lights_ = LightSampler(emitters_, powers, emitted_powers);
+  run_together(
+      [&] {
+        wavelengths_ = std::make_unique<WavelengthDistribution>(
+            choose_wavelengths(response, channel_responses(film(), grid), spectra));
+      },
+      [&] { lights_ = LightSampler(emitters_, powers, emitted_powers); });
 }
 
 bool Scene::may_meet_shining_shape(const Ray& ray) const {
