@@ -248,9 +248,11 @@ void Scene::make_surfaces() {
 }
 
 void Scene::find_media() {
+  std::unordered_set<const Medium*> known;
   const auto add = [&](const Medium* medium) {
-    if (!medium) return;
+    if (!medium || (!media_.empty() && media_.back() == medium)) return;
     has_media_ = true;
+    if (known.insert(medium).second) media_.push_back(medium);
     any_medium_emits_ |= medium->emits();
   };
   add(parts_.sensor->medium());

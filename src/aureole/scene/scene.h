@@ -52,6 +52,8 @@ public:
   /// Whether some space is not vacuum, bodies have a rank, or surfaces touch bodies: paths then track their current
   /// medium.
   bool has_media() const { return has_media_; }
+  /// The media of the sensor, of lights and of both sides of surfaces, each once.
+  const std::vector<const Medium*>& media() const { return media_; }
   /// Whether surfaces touch each other where a body begins or ends (scene/contact_search.h).
   bool has_contacts() const { return has_contacts_; }
   /// Whether light may enter a surface at one point and leave it at another (subsurface scattering).
@@ -133,6 +135,7 @@ private:
   std::vector<Bounds3> emitter_bounds_;  ///< bounds of the emissive shapes, if they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
   bool has_exits_ = false, has_contacts_ = false;
+  std::vector<const Medium*> media_;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
   /// A medium that lies inside closed surfaces without straight transmission, and the box around them.
   struct Closed {

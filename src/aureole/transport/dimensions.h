@@ -39,6 +39,7 @@ enum class Stream {
   diffracted_walk,         ///< whether the path leaves the vertex for an edge, and how
   diffracted_start,        ///< a path that starts at an edge
   diffracted_light,        ///< light that reaches the sensor around one edge
+  volume_march,            ///< of a ray that `dvr` follows through a volume
 };
 /// The key of a stream of a vertex.
 inline std::uint32_t key(const SampleStream& samples, int vertex, Stream which) {

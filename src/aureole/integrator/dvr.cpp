@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Direct volume rendering: pictures of volumes of numbers by the conventions of scientific visualisation.
+#include <fmt/format.h>
+
+#include "aureole/integrator/aov_channels.h"
+#include "aureole/integrator/dvr/march.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/transport/vertex.h"
+
+namespace aureole {
+namespace {
+
+std::vector<const ClassifiedMedium*> classified_media(const Scene& scene) {
+  std::vector<const ClassifiedMedium*> media;
+  for (const Medium* medium : scene.media())
+    if (const auto* classified = dynamic_cast<const ClassifiedMedium*>(medium)) media.push_back(classified);
+  return media;
+}
+
+/// Whether a ray ends at a surface; null surfaces, which hold media, are passed.
+bool stops(const Surface& surface) {
+  return surface.light || has(surface.lobes, Lobe::reflect | Lobe::transmit);
+}
+
+class DvrIntegrator final : public Integrator {
+public:
+  explicit DvrIntegrator(const Properties& p)
+      : Integrator(p),
+        settings_(DvrSettings::read(p)),
+        nested_(nested_integrators(p, "integrator")),
+        d65_(d65_spectrum(p.context().grid, 1)),
+        measures_(p.get_bool("measures", false)) {
+    if (nested_.size() > 1)
+      throw p.error("integrator", "one integrator finds what is behind the volume; there are several");
+    if (nested_.empty()) nested_.push_back({"", make_default<const Integrator>(p, "integrator"), {}, {}});
+    if (!nested_.front().channels.empty())
+      throw p.error("integrator", "has further channels; nest \"dvr\" in \"aov\" instead");
+  }
+
+  SceneNeeds needs() const override { return nested_needs(nested_); }
+  bool shows_emitters() const override { return behind().shows_emitters(); }
+  void require_scene(const Scene& scene) const override {
+    behind().require_scene(scene);
+    const auto media = classified_media(scene);
+    if (media.empty())
+      throw Error(
+          properties().where(),
+          "\"dvr\" shows media of the type \"classified\", and the scene has none: give a shape that encloses the "
+          "volume <medium type=\"classified\" name=\"interior\">");
+    const bool is_projection =
+        settings_.method == DvrSettings::Method::mip || settings_.method == DvrSettings::Method::average;
+    if (is_projection && media.size() > 1)
+      throw properties().error(
+          "method", fmt::format("takes the numbers of one volume, but the scene has {}", media.size()));
+    const bool needs_emission = !settings_.gradient_lighting &&
+                                settings_.method != DvrSettings::Method::single_scattering &&
+                                settings_.method != DvrSettings::Method::xray;
+    for (const ClassifiedMedium* medium : media)
+      if (needs_emission && !medium->color_emits())
+        throw medium->properties().error(
+            "color_is",
+            "the colour is an albedo, which this method shows black: give the integrator "
+            "<string name=\"lighting\" value=\"gradient\"/> or the method \"single_scattering\"");
+  }
+  std::vector<std::string> aov_names() const override {
+    if (!measures_) return {};
+    return {"optical_thickness", "value", "depth"};
+  }
+  std::vector<std::string> aov_meanings() const override {
+    if (!measures_) return {};
+    return {"optical thickness along the ray",
+            "number of the volume: the largest, the mean, or where half of the light is lost",
+            "distance of that number along the ray, scene units"};
+  }
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    const auto media = classified_media(scene);
+    DvrSettings settings = settings_;
+    if (!(settings.step > 0)) {
+      settings.step = kInfinity;
+      for (const ClassifiedMedium* m : media)
+        settings.step = std::min(settings.step, 0.5f * m->field().spacing());
+    }
+    VolumeResult results[kBatch];
+    Ray rays[kBatch];
+    float* measures[kBatch];
+    float ends[kBatch];
+    find_surfaces(scene, paths, ends);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      Path& path = paths[i];
+      // A walk from the sensor has no vertex -1: its numbers are free.
+      VolumeMarch march(scene, media, settings, path, ends[i], d65_.eval(path.wavelengths),
+                        key(path.samples, -1, Stream::volume_march));
+      results[i] = march.follow();
+      // The nested integrator begins behind the media, where the ray comes from.
+      rays[i] = path.ray, measures[i] = path.aovs;
+      const float shift = std::min(march.end(), ends[i]);
+      path.ray.o = path.ray.o + path.ray.d * shift;
+      path.ray.t_max -= shift;
+    }
+    behind().trace(scene, paths, splats, log);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      Path& path = paths[i];
+      const VolumeResult& r = results[i];
+      path.ray = rays[i], path.aovs = measures[i];
+      path.result.estimate =
+          path.result.estimate * r.transmittance + single_estimate(r.radiance, path.wavelengths);
+      path.result.alpha = 1 - r.transmittance * (1 - path.result.alpha);
+      if (measures_) path.aovs[0] = r.optical_thickness, path.aovs[1] = r.value, path.aovs[2] = r.depth;
+    }
+  }
+
+private:
+  const Integrator& behind() const { return *nested_.front().integrator; }
+
+  /// Sets the distance along each ray up to which volumes are seen: just before the first surface that is not null.
+  static void find_surfaces(const Scene& scene, std::span<Path> paths, float ends[]) {
+    BatchRays rays;
+    Ray next[kBatch];
+    float passed[kBatch];
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      next[i] = paths[i].ray, passed[i] = 0, ends[i] = kInfinity;
+      rays.add(int(i), next[i]);
+    }
+    while (!rays.empty())
+      rays.intersect(scene.tracer(), RayTracer::Rays::coherent, [&](int i, const RayTracer::Hit& hit) {
+        if (!hit) return;
+        const SurfacePoint point = scene.surface_point(hit, next[i]);
+        const float distance = dot(point.p - paths[std::size_t(i)].ray.o, paths[std::size_t(i)].ray.d);
+        if (stops(*point.surface)) {
+          // Off the surface, by the bound of its rounding error, towards the sensor.
+          const Vec3 before = offset_origin(point.p, point.p_error, point.ng, -next[i].d);
+          ends[i] = std::max(0.f, std::min(distance, dot(before - paths[std::size_t(i)].ray.o, next[i].d)));
+          return;
+        }
+        const float t_max = paths[std::size_t(i)].ray.t_max - distance;
+        next[i] = RayOrigin::of(point).spawn(next[i].d);
+        next[i].t_max = t_max;
+        if (t_max > 0 && !(distance <= passed[i])) passed[i] = distance, rays.add(i, next[i]);
+      });
+  }
+
+  DvrSettings settings_;
+  std::vector<NestedIntegrator> nested_;
+  SampledSpectrum d65_;
+  bool measures_;
+};
+
+std::vector<ParameterDoc> rows() {
+  std::vector<ParameterDoc> all = DvrSettings::rows();
+  all.push_back(
+      {"measures", "boolean", "", "false",
+       "further channels optical_thickness, value (the largest number for mip, the mean for average, else that where "
+       "half of the light is lost) and depth (where)"});
+  return all;
+}
+
+AUREOLE_PLUGIN(
+    DvrIntegrator, "integrator", "dvr",
+    PluginDoc{
+        "Direct volume rendering: composites the media of the type \"classified\" along each ray by the conventions of "
+        "scientific visualisation, each by its name. Surfaces are seen through them, by a nested integrator. What a "
+        "scene's other integrators make of the same media is the physical picture (docs/volumes.md).",
+        "Max 1995, \"Optical models for direct volume rendering\"; Levoy 1988, \"Display of surfaces from volume data\"; "
+        "Engel, Kraus & Ertl 2001, \"High-quality pre-integrated volume rendering using hardware-accelerated pixel shading\"",
+        rows(),
+        {R"(<integrator type="dvr"><float name="step" value="0.01"/><string name="classification" value="preintegrated"/>
+    <string name="lighting" value="gradient"/><string name="highlight" value="reflection"/><boolean name="shadows" value="true"/>
+    <integer name="ambient_occlusion" value="8"/><float name="occlusion_radius" value="0.2"/>
+    <integrator type="direct"/></integrator>)",
+         R"(<integrator type="dvr"><string name="method" value="composite"/><string name="form" value="premultiplied"/>
+    <string name="alpha" value="taylor"/><string name="order" value="back_to_front"/><float name="termination" value="0"/>
+    <boolean name="jitter" value="true"/><boolean name="skip_empty" value="false"/></integrator>)",
+         R"(<integrator type="dvr"><string name="method" value="isosurface"/><string name="isovalues" value="0.2, 0.6"/>
+    <float name="tolerance" value="0.01"/><boolean name="measures" value="true"/></integrator>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/integrator/dvr/march.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/integrator/dvr/cell_roots.h"
+
+namespace aureole {
+
+namespace {
+
+using Method = DvrSettings::Method;
+
+/// Rays of more steps than this take longer ones.
+constexpr int kMaxSteps = 1 << 20;
+
+float number_of(const Spectrum& s) {
+  float largest = 0;
+  for (int i = 0; i < kWavelengths; ++i) largest = std::max(largest, std::abs(s[i]));
+  return largest;
+}
+
+}  // namespace
+
+VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* const> media,
+                         const DvrSettings& settings, const Path& path, float length, const Spectrum& d65,
+                         std::uint32_t key)
+    : settings_(settings),
+      ray_(path.ray),
+      d65_(d65),
+      basis_(path.wavelengths.nm),
+      random_(key),
+      lighting_(scene, settings, path, d65_, random_) {
+  begin_ = kInfinity;
+  for (const ClassifiedMedium* medium : media) {
+    Part part{.medium = medium, .begin = 0, .end = std::min(length, ray_.t_max), .active = {}};
+    medium->clip(ray_, part.begin, part.end);
+    if (!(part.end > part.begin)) continue;
+    begin_ = std::min(begin_, part.begin), end_ = std::max(end_, part.end);
+    parts_.push_back(std::move(part));
+  }
+}
+
+VolumeResult VolumeMarch::follow() {
+  if (parts_.empty()) {
+    VolumeResult none;
+    if (settings_.method == Method::xray) cover(none, d65_, 1);
+    return none;
+  }
+  switch (settings_.method) {
+    case Method::isosurface:
+      return isosurfaces();
+    case Method::mip:
+    case Method::average:
+      return project();
+    default:
+      break;
+  }
+  for (Part& part : parts_) {
+    if (!settings_.skip_empty) {
+      part.active.push_back({part.begin, part.end});
+      continue;
+    }
+    const auto& majorants = part.medium->majorants();
+    majorants.visit_segments(ray_, part.end, [&](const MajorantSegment& s) {
+      const float from = std::max(s.begin, part.begin), to = std::min(s.end, part.end);
+      if (!(to > from)) return false;
+      if (!part.active.empty() && from <= part.active.back()[1])
+        part.active.back()[1] = to;
+      else
+        part.active.push_back({from, to});
+      return false;
+    });
+  }
+  if (settings_.method == Method::composite || settings_.method == Method::xray)
+    return composite(settings_.step);
+  return integrate();
+}
+
+Spectrum VolumeMarch::color_at(const ClassifiedMedium& medium, const Vec3& p, const Sample& s) {
+  if (settings_.method == Method::xray) return 0.f;
+  const Spectrum color = basis_.eval(s.color);
+  if (settings_.method == Method::single_scattering && !medium.color_emits())
+    return lighting_.scattered(medium, p, min(color, 1.f));
+  if (settings_.gradient_lighting) return lighting_.shaded(medium, p, color, medium.field().gradient(p));
+  return color * d65_ * medium.emission_scale();
+}
+
+void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
+  a = std::max(a, part.begin), b = std::min(b, part.end);
+  if (!(b > a)) return;
+  const ClassifiedMedium& medium = *part.medium;
+  const Vec3 p = at(a + offset * (b - a));
+  Sample s;
+  if (settings_.preintegrated) {
+    const float from = part.last_end == a ? part.last_value : medium.field().value(at(a));
+    const float to = medium.field().value(at(b));
+    part.last_end = b, part.last_value = to;
+    s = medium.classify(p, from, to);
+    step.value = 0.5f * (from + to);
+  } else {
+    step.value = medium.field().value(p);
+    s = medium.classify(p, step.value);
+  }
+  if (!(s.extinction > 0)) return;
+  const float thickness = s.extinction * (b - a);
+  step.thickness += thickness;
+  step.emission += color_at(medium, p, s) * thickness;
+}
+
+VolumeResult VolumeMarch::composite(float length) {
+  VolumeResult result;
+  const float offset = settings_.jitter ? random_.next() : 0.5f;
+  const bool is_forward = settings_.order == DvrSettings::Order::front_to_back;
+  const bool is_weighted = settings_.form == DvrSettings::Form::opacity_weighted;
+  const bool is_taylor =
+      settings_.alpha == DvrSettings::Alpha::taylor && settings_.method == Method::composite;
+  length = std::max(length, (end_ - begin_) / float(kMaxSteps));
+  const int count = std::max(1, int(std::ceil((end_ - begin_) / length - 1e-4f)));
+  struct Layer {
+    Spectrum color;
+    float opacity;
+  };
+  std::vector<Layer> layers;  // for back to front
+  for (Part& part : parts_) part.next = 0, part.last_end = -1;
+  for (int k = 0; k < count;) {
+    // The first step that touches what may absorb.
+    const float from = begin_ + float(k) * length;
+    float next = kInfinity;
+    for (Part& part : parts_) {
+      while (part.next < part.active.size() && part.active[part.next][1] <= from) ++part.next;
+      if (part.next < part.active.size()) next = std::min(next, part.active[part.next][0]);
+    }
+    if (next == kInfinity) break;
+    if (next > from + length) {
+      k = std::max(k + 1, int((next - begin_) / length));
+      continue;
+    }
+    const float a = from, b = k + 1 == count ? end_ : std::min(from + length, end_);
+    ++k;
+    Step step;
+    for (Part& part : parts_)
+      if (part.next < part.active.size() && part.active[part.next][0] < b) add(part, a, b, offset, step);
+    if (!(step.thickness > 0)) continue;
+    result.optical_thickness += step.thickness;
+    const float opacity = is_taylor ? std::min(step.thickness, 1.f) : -std::expm1(-step.thickness);
+    const Spectrum color = is_weighted ? step.emission * (opacity / step.thickness) : step.emission;
+    const float before = result.transmittance;
+    result.transmittance *= 1 - opacity;
+    if (before > 0.5f && result.transmittance <= 0.5f)
+      result.value = step.value, result.depth = 0.5f * (a + b);
+    if (!is_forward) {
+      layers.push_back({color, opacity});
+      continue;
+    }
+    result.radiance += color * before;
+    if (result.transmittance < settings_.termination) break;
+  }
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer)
+    result.radiance = layer->color + result.radiance * (1 - layer->opacity);
+  if (settings_.method == Method::xray) {
+    result.radiance = d65_ * result.transmittance;
+    result.transmittance = 0;
+  }
+  return result;
+}
+
+VolumeResult VolumeMarch::integrate() {
+  constexpr int kMaxHalvings = 12;
+  float step = settings_.step;
+  VolumeResult coarse = composite(step);
+  // Light samples are random: their noise, which would never fall below the tolerance, is left to the samples of the pixel.
+  if (settings_.method == Method::single_scattering || settings_.jitter) return coarse;
+  for (int k = 0; k < kMaxHalvings; ++k) {
+    step *= 0.5f;
+    const VolumeResult fine = composite(step);
+    // The midpoint rule's error falls by four: Richardson extrapolation.
+    VolumeResult better = fine;
+    better.radiance = max(fine.radiance + (fine.radiance - coarse.radiance) * (1 / 3.f), 0.f);
+    better.transmittance =
+        std::clamp(fine.transmittance + (fine.transmittance - coarse.transmittance) / 3, 0.f, 1.f);
+    const float change = number_of(fine.radiance - coarse.radiance);
+    if (change <= settings_.tolerance * number_of(fine.radiance) &&
+        std::abs(fine.transmittance - coarse.transmittance) <= settings_.tolerance)
+      return better;
+    coarse = fine;
+  }
+  return coarse;
+}
+
+VolumeResult VolumeMarch::project() {
+  VolumeResult result;
+  const Part& part = parts_.front();
+  const ScalarField& field = part.medium->field();
+  const float length = std::max(settings_.step, (part.end - part.begin) / float(kMaxSteps));
+  const int count = std::max(1, int(std::ceil((part.end - part.begin) / length - 1e-4f)));
+  const float offset = settings_.jitter ? random_.next() : 0.5f;
+  const bool is_mip = settings_.method == Method::mip;
+  result.value = is_mip ? -kInfinity : 0;
+  double sum = 0;
+  for (int k = 0; k < count; ++k) {
+    const float a = part.begin + float(k) * length, b = std::min(a + length, part.end);
+    const float t = a + offset * (b - a), value = field.value(at(t));
+    sum += double(value) * double(b - a);
+    if (is_mip && value > result.value) result.value = value, result.depth = t;
+  }
+  if (!is_mip)
+    result.value = float(sum / double(part.end - part.begin)), result.depth = 0.5f * (part.begin + part.end);
+  const Sample s = part.medium->classify(at(result.depth), result.value);
+  result.optical_thickness = s.extinction * part.medium->unit();
+  cover(result, basis_.eval(s.color) * d65_ * part.medium->emission_scale(),
+        -std::expm1(-result.optical_thickness));
+  return result;
+}
+
+VolumeResult VolumeMarch::isosurfaces() {
+  VolumeResult result;
+  std::vector<CellRoot> roots;
+  for (const Part& part : parts_)
+    find_isosurfaces(part.medium->field(), ray_, part.begin, part.end, settings_.isovalues,
+                     [&](const CellRoot& root) {
+                       if (parts_.size() > 1) {
+                         roots.push_back({root.t, root.value, &part - parts_.data()});
+                         return true;
+                       }
+                       roots.push_back({root.t, root.value, 0});
+                       const Sample s = part.medium->function().at(root.value);
+                       const float opacity = -std::expm1(-s.extinction * part.medium->unit());
+                       result.transmittance *= 1 - opacity;  // only to know when to stop
+                       return result.transmittance > settings_.termination;
+                     });
+  result.transmittance = 1;
+  std::stable_sort(roots.begin(), roots.end(),
+                   [](const CellRoot& a, const CellRoot& b) { return a.t < b.t; });
+  for (const CellRoot& root : roots) {
+    const ClassifiedMedium& medium = *parts_[std::size_t(root.part)].medium;
+    const Vec3 p = at(root.t);
+    const Sample s = medium.function().at(root.value);
+    const float thickness = s.extinction * medium.unit();
+    const Spectrum color = basis_.eval(s.color);
+    cover(result,
+          settings_.gradient_lighting ? lighting_.shaded(medium, p, color, medium.field().gradient(p))
+                                      : color * d65_ * medium.emission_scale(),
+          -std::expm1(-thickness));
+    result.optical_thickness += thickness;
+    if (result.depth == 0) result.depth = root.t, result.value = root.value;
+    if (result.transmittance < settings_.termination) break;
+  }
+  return result;
+}
+
+}  // namespace aureole

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// `DvrSettings`: the conventions by which the integrator `dvr` makes a picture of a volume.
+#pragma once
+
+#include <vector>
+
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+struct DvrSettings {
+  enum class Method { composite, emission_absorption, single_scattering, isosurface, mip, average, xray };
+  /// The colour of a step: `premultiplied`, the light emitted along it; `opacity_weighted`, that light times
+  /// the opacity of the step.
+  enum class Form { premultiplied, opacity_weighted };
+  enum class Alpha { exponential, taylor };
+  enum class Order { front_to_back, back_to_front };
+
+  Method method;
+  Form form;
+  Alpha alpha;
+  Order order;
+  bool preintegrated, jitter, skip_empty;
+  float step;         ///< in the world; 0: half of the smallest distance of voxels
+  float termination;  ///< transmittance below which the rest of a ray is left out; 0: never
+  float tolerance;    ///< of the adaptive methods, relative to the light of the ray
+  bool gradient_lighting, shadows, halfway;
+  int occlusion_samples;   ///< rays of ambient occlusion; 0: none
+  float occlusion_radius;  ///< their length in the world
+  std::vector<float> isovalues;
+
+  static DvrSettings read(const Properties& properties);
+  static std::vector<ParameterDoc> rows();
+};
+
+}  // namespace aureole

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/medium/classified/classified_medium.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/medium/content/extinction_limit.h"
+#include "aureole/plugin/number_list.h"
+#include "aureole/spectrum/observer.h"
+
+namespace aureole {
+
+namespace {
+
+/// Reads the volume of numbers. Throws a located Error where it has no box, colours, or numbers that are not finite.
+ScalarField read_field(const Properties& p) {
+  const auto volume = p.get_object<Volume>("value");
+  if (!volume) throw p.error("value", "is missing: the volume of numbers, such as a \"gridvolume\"");
+  if (!volume->to_box())
+    throw p.error("value", "is constant in space; a volume on a grid is needed, such as a \"gridvolume\"");
+  if (volume->channels() > 1)
+    throw p.error("value", fmt::format("has {} numbers at each point; one is needed", volume->channels()));
+  ScalarField field(*volume);
+  if (!std::isfinite(field.minimum()) || !std::isfinite(field.maximum()))
+    throw p.error("value", "has voxels that are not finite numbers");
+  return field;
+}
+
+/// Reads values and factors as a function whose extinction is the factor.
+std::optional<TransferFunction> read_gradient_factor(const Properties& p) {
+  if (!p.has("gradient_opacity")) return {};
+  const std::vector<double> list = get_number_list(p, "gradient_opacity");
+  TransferFunction::Curve curve;
+  if (list.empty() || list.size() % 2 != 0)
+    throw p.error("gradient_opacity", "expected pairs of a gradient and a factor, such as \"0 0, 50 1\"");
+  for (std::size_t i = 0; i < list.size(); i += 2) {
+    if (i > 0 && list[i] < list[i - 2])
+      throw p.error("gradient_opacity",
+                    fmt::format("gradients must ascend, but {:g} follows {:g}", list[i], list[i - 2]));
+    if (!(list[i] >= 0 && list[i + 1] >= 0 && list[i + 1] <= 1))
+      throw p.error(
+          "gradient_opacity",
+          fmt::format("\"{:g} {:g}\": gradients must not be negative, and factors lie between 0 and 1",
+                      list[i], list[i + 1]));
+    curve.values.push_back(list[i]), curve.numbers.push_back({list[i + 1], 0, 0});
+  }
+  return TransferFunction(curve, {{0}, {{0, 0, 0}}});
+}
+
+/// Reads lists of `count` numbers; `example` is shown in the error.
+std::vector<std::vector<double>> read_tuples(const Properties& p, const char* name, std::size_t count,
+                                             const char* example) {
+  std::vector<std::vector<double>> tuples;
+  if (!p.has(name)) return tuples;
+  const std::vector<double> list = get_number_list(p, name);
+  if (list.empty() || list.size() % count != 0)
+    throw p.error(name, fmt::format("expected {} numbers each, such as \"{}\", but found {}", count, example,
+                                    list.size()));
+  for (std::size_t i = 0; i < list.size(); i += count)
+    tuples.emplace_back(list.begin() + std::ptrdiff_t(i), list.begin() + std::ptrdiff_t(i + count));
+  return tuples;
+}
+
+}  // namespace
+
+ClassifiedMedium::ClassifiedMedium(const Properties& p)
+    : Medium(p),
+      field_(read_field(p)),
+      function_(TransferFunction::read(p)),
+      gradient_factor_(read_gradient_factor(p)),
+      unit_(float(p.get_float("opacity_unit_length", 1, Range::positive()))),
+      color_emits_(p.get_choice("color_is", "emission", {"emission", "albedo"}) == "emission"),
+      emission_scale_(float(p.get_float("emission_scale", 1, Range::non_negative()))),
+      sampling_weight_(float(p.get_float("sampling_weight", 1, Range::non_negative()))),
+      d65_(d65_spectrum(p.context().grid, 1)),
+      shading_{float(p.get_float("ambient", 0.1, Range::unit())),
+               float(p.get_float("diffuse", 0.7, Range::unit())),
+               float(p.get_float("specular", 0.2, Range::unit())),
+               float(p.get_float("shininess", 10, {0, 1e6}))} {
+  for (const auto& box : read_tuples(p, "clip_box", 6, "-1 -1 -1 1 1 0")) {
+    for (int k = 0; k < 3; ++k) {
+      if (!(box[std::size_t(k)] < box[std::size_t(k) + 3]))
+        throw p.error("clip_box",
+                      "expected the lower corner and then the upper one, such as \"-1 -1 -1 1 1 0\"");
+      Vec3 n;
+      n[k] = 1;
+      planes_.push_back({n, float(box[std::size_t(k)])});
+      planes_.push_back({-n, -float(box[std::size_t(k) + 3])});
+    }
+  }
+  for (const auto& plane : read_tuples(p, "clip_planes", 4, "0 0 1 0.5")) {
+    const Vec3 n{float(plane[0]), float(plane[1]), float(plane[2])};
+    if (!(length(n) > 0)) throw p.error("clip_planes", "the normal of a plane must not be zero");
+    planes_.push_back({n * (1 / length(n)), float(plane[3]) / length(n)});
+  }
+  const auto phases = p.get_children<PhaseFunction>("phase");
+  if (phases.size() > 1)
+    throw Error(p.where(), "\"" + p.type() + "\" has several phase functions; it has one");
+  phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+  if (phase_->largest_projected_area() != 1)
+    throw p.error("phase",
+                  "oriented particles are not supported: the transfer function gives the extinction");
+
+  constexpr int kVoxelsPerCell = 4, kMaxCells = 256;
+  std::array<int, 3> cells;
+  for (std::size_t k = 0; k < 3; ++k)
+    cells[k] = std::clamp((field_.size()[k] + kVoxelsPerCell - 1) / kVoxelsPerCell, 1, kMaxCells);
+  const auto ranges = field_.ranges(cells);
+  std::vector<float> bounds(ranges.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    bounds[i] = function_.max_extinction(ranges[i][0], ranges[i][1]);
+  grid_.emplace(field_.to_box(), cells, std::move(bounds));
+  const char* stated = p.has("extinction") ? "extinction" : "opacity";
+  require_computable_extinction(p, stated, double(function_.max_extinction()));
+  require_computable_extinction(p, stated, *grid_, 0, 1);
+  if (!(grid_->maximum() > 0))
+    p.note(stated, fmt::format("is 0 for all numbers of the volume, which lie between {:g} and {:g}",
+                               field_.minimum(), field_.maximum()));
+}
+
+bool ClassifiedMedium::contains(const Vec3& p) const {
+  for (const Plane& plane : planes_)
+    if (dot(plane.n, p) < plane.d) return false;
+  const Vec3 i = field_.index_of(p);
+  for (int k = 0; k < 3; ++k)
+    if (!(i[k] >= -0.5f && i[k] <= float(field_.size()[std::size_t(k)]) - 0.5f)) return false;
+  return true;
+}
+
+void ClassifiedMedium::clip(const Ray& ray, float& begin, float& end) const {
+  const auto keep = [&](float at_origin, float slope) {  // where at_origin + t slope >= 0
+    const float t = -at_origin / slope;
+    if (slope > 0)
+      begin = std::max(begin, t);
+    else if (slope < 0)
+      end = std::min(end, t);
+    else if (at_origin < 0)
+      end = begin;
+  };
+  const Vec3 o = field_.index_of(ray.o), d = field_.index_vector(ray.d);
+  for (int k = 0; k < 3; ++k) {
+    keep(o[k] + 0.5f, d[k]);
+    keep(float(field_.size()[std::size_t(k)]) - 0.5f - o[k], -d[k]);
+  }
+  for (const Plane& plane : planes_) keep(dot(plane.n, ray.o) - plane.d, dot(plane.n, ray.d));
+}
+
+void ClassifiedMedium::weigh(const Vec3& p, TransferFunction::Sample& s) const {
+  const float opacity = -std::expm1(-s.extinction * unit_);
+  s.extinction = -std::log1p(-opacity * gradient_factor_->at(length(field_.gradient(p))).extinction) / unit_;
+}
+
+void ClassifiedMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
+  out = {};
+  if (grid_->at(p) == 0 || !contains(p)) return;
+  const TransferFunction::Sample s = classify(p, field_.value(p));
+  out.sigma_t = s.extinction;
+  const Spectrum color = min(ColorBasis(w.nm).eval(s.color), 1.f) * s.extinction;
+  if (color_emits_)
+    out.emission = color * d65_.eval(w) * emission_scale_;
+  else
+    out.sigma_s = color;
+}
+
+std::vector<ParameterDoc> ClassifiedMedium::rows() {
+  std::vector<ParameterDoc> all = {{"value", "volume", "", "required",
+                                    "the numbers, on a grid; values outside of their box do not count"}};
+  const std::vector<ParameterDoc> functions = TransferFunction::rows();
+  all.insert(all.end(), functions.begin(), functions.end());
+  const std::vector<ParameterDoc> rest = {
+      {"gradient_opacity", "string", "1/length", "none",
+       "a second axis of the transfer function: lengths of the gradient of the numbers and the factor of the opacity at each"},
+      {"color_is", "string", "", "emission",
+       "\"emission\": the medium emits its colour (times D65, as an <rgb> emitter) wherever it absorbs, so that a thick layer has "
+       "that colour; \"albedo\": the colour is the single-scattering albedo"},
+      {"emission_scale", "float", "", "1", "factor of the emitted light"},
+      {"ambient", "float", "", "0.1", "part of the emitted colour that gradient shading keeps (dvr)"},
+      {"diffuse", "float", "", "0.7", "diffuse coefficient of gradient shading (dvr)"},
+      {"specular", "float", "", "0.2", "specular coefficient of gradient shading (dvr)"},
+      {"shininess", "float", "", "10", "exponent of the specular lobe (dvr)"},
+      {"clip_box", "string", "length", "none",
+       "lower and upper corner, in the world: outside of it the medium is empty"},
+      {"clip_planes", "string", "", "none",
+       "planes as x, y, z of the normal and its product d with a point of the plane: the medium is empty where n . p < d"},
+      {"sampling_weight", "float", "", "1",
+       "factor of the probability that light sampling chooses this medium's emission; 0: never"},
+      {"phase", "phase", "", "isotropic", "phase function of the scattered light"}};
+  all.insert(all.end(), rest.begin(), rest.end());
+  return all;
+}
+
+namespace {
+
+AUREOLE_PLUGIN(
+    ClassifiedMedium, "medium", "classified",
+    PluginDoc{
+        "A volume of numbers as a medium: a transfer function gives its extinction and colour by value. The "
+        "integrator \"dvr\" composites it step by step, as volume renderers do; every other integrator follows "
+        "light through it, so that one file gives both pictures (docs/volumes.md).",
+        "Levoy 1988, \"Display of surfaces from volume data\"; Max 1995, \"Optical models for direct volume "
+        "rendering\"",
+        ClassifiedMedium::rows(),
+        {R"(<medium type="classified">
+    <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
+    <string name="opacity" value="0 0, 0.5 0.1, 1 0.9"/>
+    <float name="opacity_unit_length" value="0.2"/>
+    <string name="color_map" value="viridis"/>
+    <string name="range" value="0, 1"/>
+    <string name="gradient_opacity" value="0 0.2, 5 1"/>
+    <string name="color_is" value="albedo"/>
+    <float name="emission_scale" value="1"/>
+    <float name="ambient" value="0.1"/><float name="diffuse" value="0.7"/>
+    <float name="specular" value="0.2"/><float name="shininess" value="10"/>
+    <string name="clip_box" value="0 0 0 1 1 0.5"/>
+    <string name="clip_planes" value="0 0 1 0.1"/>
+    <float name="sampling_weight" value="1"/>
+    <phase type="hg"/>
+</medium>)",
+         R"(<medium type="classified">
+    <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
+    <string name="extinction" value="0 0, 1 10"/>
+    <string name="colors" value="0 0 0 0, 1 1 0.8 0.6"/>
+    <string name="color_encoding" value="srgb"/>
+</medium>)",
+         R"(<medium type="classified">
+    <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
+    <string name="preset" value="generic"/>
+</medium>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// `ClassifiedMedium`: the medium that a transfer function makes of a volume of numbers. `dvr` composites it step by
+// step; the other integrators follow light in it as in any medium.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "aureole/medium/classified/scalar_field.h"
+#include "aureole/medium/classified/transfer_function.h"
+#include "aureole/medium/medium.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+class ClassifiedMedium final : public Medium {
+public:
+  explicit ClassifiedMedium(const Properties& properties);
+  static std::vector<ParameterDoc> rows();
+
+  void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const override;
+  const PhaseFunction& phase() const override { return *phase_; }
+  Majorants majorants() const override { return Majorants(*grid_); }
+  Spectrum majorant(const Vec3&, const Wavelengths&) const override { return 1.f; }
+  bool is_uniform() const override { return false; }
+  bool has_uniform_emission() const override { return false; }
+  bool emits() const override { return color_emits_; }
+  bool scatters() const override { return !color_emits_; }
+  float sampling_weight() const override { return sampling_weight_; }
+
+  const ScalarField& field() const { return field_; }
+  const TransferFunction& function() const { return function_; }
+  /// Whether a point is neither clipped nor outside the box of the volume.
+  bool contains(const Vec3& p) const;
+  /// Shortens the interval [begin, end] of distances along a ray to its part within the box and all clip planes. The
+  /// interval is empty, end <= begin, where there is none.
+  void clip(const Ray& ray, float& begin, float& end) const;
+  /// Extinction and colour at a point inside, where the volume has the number `value`.
+  TransferFunction::Sample classify(const Vec3& p, float value) const {
+    TransferFunction::Sample s = function_.at(value);
+    weigh_by_gradient(p, s);
+    return s;
+  }
+  /// Extinction and colour of a short segment with the middle `p` and these numbers at its ends.
+  TransferFunction::Sample classify(const Vec3& p, float from, float to) const {
+    TransferFunction::Sample s = function_.mean(from, to);
+    weigh_by_gradient(p, s);
+    return s;
+  }
+
+  /// Whether the colour is that of emitted light; else it is the single-scattering albedo.
+  bool color_emits() const { return color_emits_; }
+  /// Length of the layer whose opacity the transfer function gives.
+  float unit() const { return unit_; }
+  float emission_scale() const { return emission_scale_; }
+  /// Coefficients of gradient shading (Levoy 1988, "Display of surfaces from volume data", equation 3).
+  struct Shading {
+    float ambient, diffuse, specular, shininess;
+  };
+  const Shading& shading() const { return shading_; }
+
+private:
+  struct Plane {
+    Vec3 n;
+    float d;  ///< points p with dot(n, p) >= d are kept
+  };
+  void weigh_by_gradient(const Vec3& p, TransferFunction::Sample& s) const {
+    if (gradient_factor_ && s.extinction > 0) weigh(p, s);
+  }
+  void weigh(const Vec3& p, TransferFunction::Sample& s) const;
+
+  ScalarField field_;
+  TransferFunction function_;
+  std::optional<TransferFunction> gradient_factor_;  ///< its extinction is a factor of the opacity
+  float unit_ = 1;                                   ///< length of the layer whose opacity is given
+  std::vector<Plane> planes_;
+  bool color_emits_;
+  float emission_scale_ = 1, sampling_weight_ = 1;
+  SampledSpectrum d65_;
+  Shading shading_;
+  PhaseFunctionPtr phase_;
+  std::optional<MajorantGrid> grid_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/medium/classified/transfer_function.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/medium/classified/color_maps.h"
+#include "aureole/plugin/number_list.h"
+#include "aureole/plugin/properties.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/upsampled_color.h"
+
+namespace aureole {
+
+namespace {
+
+using Curve = TransferFunction::Curve;
+
+/// Opacities above this one are this one: an opacity of 1 in a unit of length would be an infinite extinction.
+constexpr double kMaxOpacity = 0.9999;
+/// A curve that is not linear between two points is divided into so many linear pieces.
+constexpr int kPieces = 32;
+
+double linear_of_srgb(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
+
+/// The numbers of a curve at a value; at a jump those of larger values, or those of smaller ones with `from_below`.
+std::array<double, 3> at_value(const Curve& curve, double value, bool from_below) {
+  const auto& v = curve.values;
+  const auto next =
+      from_below ? std::lower_bound(v.begin(), v.end(), value) : std::upper_bound(v.begin(), v.end(), value);
+  if (next == v.begin()) return curve.numbers.front();
+  if (next == v.end()) return curve.numbers.back();
+  const std::size_t i = std::size_t(next - v.begin());
+  const double t = (value - v[i - 1]) / (v[i] - v[i - 1]);
+  std::array<double, 3> out;
+  for (std::size_t k = 0; k < 3; ++k)
+    out[k] = curve.numbers[i - 1][k] + t * (curve.numbers[i][k] - curve.numbers[i - 1][k]);
+  return out;
+}
+
+/// Returns the curve with more points between its own, each mapped by `map`.
+template <class Map>
+Curve refined(const Curve& curve, int pieces, const Map& map) {
+  Curve out;
+  for (std::size_t i = 0; i < curve.values.size(); ++i) {
+    const bool goes_on = i + 1 < curve.values.size() && curve.values[i + 1] > curve.values[i];
+    for (int k = 0; k < (goes_on ? pieces : 1); ++k) {
+      const double t = double(k) / pieces;
+      std::array<double, 3> numbers = curve.numbers[i];
+      for (std::size_t c = 0; c < 3 && k > 0; ++c) numbers[c] += t * (curve.numbers[i + 1][c] - numbers[c]);
+      out.values.push_back(k > 0 ? curve.values[i] + t * (curve.values[i + 1] - curve.values[i])
+                                 : curve.values[i]);
+      out.numbers.push_back(map(numbers));
+    }
+  }
+  return out;
+}
+
+/// Reads a list of a value and `count` numbers at each point. `least` and `most` limit the numbers.
+Curve read_curve(const Properties& p, const std::string& name, std::size_t count, double most,
+                 const char* example) {
+  const std::vector<double> list = get_number_list(p, name);
+  if (list.empty() || list.size() % (count + 1) != 0)
+    throw p.error(name,
+                  fmt::format("expected a value and {} at each point, such as \"{}\", but found {} numbers",
+                              count == 1 ? "one number" : "red, green and blue", example, list.size()));
+  Curve curve;
+  for (std::size_t i = 0; i < list.size(); i += count + 1) {
+    std::array<double, 3> numbers{};
+    for (std::size_t k = 0; k < count; ++k) {
+      numbers[k] = list[i + 1 + k];
+      if (!(numbers[k] >= 0 && numbers[k] <= most))
+        throw p.error(name, fmt::format("at the value {:g} stands {:g}; numbers from 0 to {:g} are possible",
+                                        list[i], numbers[k], most));
+    }
+    const auto n = curve.values.size();
+    if (n > 0 && list[i] < curve.values.back())
+      throw p.error(name,
+                    fmt::format("values must ascend, but {:g} follows {:g}", list[i], curve.values.back()));
+    if (n > 1 && list[i] == curve.values[n - 2])
+      throw p.error(name, fmt::format("the value {:g} stands three times; twice makes a jump", list[i]));
+    curve.values.push_back(list[i]), curve.numbers.push_back(numbers);
+  }
+  return curve;
+}
+
+/// The colours of a map, spread over the values from `low` to `high`.
+Curve spread(const ColorMap& map, double low, double high) {
+  Curve curve;
+  for (std::size_t i = 0; i < map.colors.size(); ++i) {
+    curve.values.push_back(low + (high - low) * double(i) / double(map.colors.size() - 1));
+    curve.numbers.push_back({map.colors[i][0], map.colors[i][1], map.colors[i][2]});
+  }
+  return curve;
+}
+
+Curve pairs_of(std::span<const std::array<double, 2>> points) {
+  Curve curve;
+  for (const auto& [value, number] : points)
+    curve.values.push_back(value), curve.numbers.push_back({number, 0, 0});
+  return curve;
+}
+
+Curve colors_of(std::span<const std::array<double, 4>> points) {
+  Curve curve;
+  for (const auto& [value, r, g, b] : points)
+    curve.values.push_back(value), curve.numbers.push_back({r, g, b});
+  return curve;
+}
+
+}  // namespace
+
+ColorWeights ColorWeights::of_linear_rgb(float r, float g, float b) {
+  const float white = std::min({r, g, b});
+  return {white, r - white, g - white, b - white};
+}
+
+ColorBasis::ColorBasis(const Spectrum& nm) {
+  static const UpsampledColor red = UpsampledColor::of_rgb(1, 0, 0), green = UpsampledColor::of_rgb(0, 1, 0),
+                              blue = UpsampledColor::of_rgb(0, 0, 1);
+  const Spectrum in_range = UpsampledColor::model_range(nm);
+  red_ = red.eval(in_range), green_ = green.eval(in_range), blue_ = blue.eval(in_range);
+}
+
+TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) {
+  std::vector<double> values = extinction.values;
+  values.insert(values.end(), color.values.begin(), color.values.end());
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.size() == 1) values.push_back(values[0] + std::max(1.0, std::abs(values[0])));
+  const auto add = [&](double value, bool from_below) {
+    Node node;
+    node.value = float(value);
+    node.extinction = float(at_value(extinction, value, from_below)[0]);
+    const auto [r, g, b] = at_value(color, value, from_below);
+    node.color = ColorWeights::of_linear_rgb(float(r), float(g), float(b));
+    max_extinction_ = std::max(max_extinction_, node.extinction);
+    nodes_.push_back(node);
+  };
+  for (const double value : values) {
+    const bool jumps = at_value(extinction, value, true) != at_value(extinction, value, false) ||
+                       at_value(color, value, true) != at_value(color, value, false);
+    if (jumps) add(value, true);
+    add(value, false);
+  }
+  first_ = nodes_.front().value;
+  const float last = nodes_.back().value;
+  scale_ = last > first_ ? float(kBuckets) / (last - first_) : 0.f;
+  starts_.resize(kBuckets);
+  std::size_t i = 0;
+  for (std::size_t k = 0; k < kBuckets; ++k) {
+    // Starts one bucket early, so that rounding of a value's bucket never skips a node.
+    const float begin = first_ + (float(k) - 1) * (last - first_) / float(kBuckets);
+    while (i + 2 < nodes_.size() && nodes_[i + 1].value <= begin) ++i;
+    starts_[k] = std::uint32_t(i);
+  }
+  integrals_.resize(nodes_.size());
+  for (std::size_t k = 1; k < nodes_.size(); ++k) {
+    const Node &a = nodes_[k - 1], &b = nodes_[k];
+    const double width = double(b.value) - double(a.value);
+    Integral& sum = integrals_[k] = integrals_[k - 1];
+    sum.extinction += width * 0.5 * (double(a.extinction) + double(b.extinction));
+    const float* from = &a.color.white;
+    const float* to = &b.color.white;
+    for (std::size_t c = 0; c < 4; ++c)  // the integral of the product of two linear functions
+      sum.color[c] += width / 6 *
+                      (double(a.extinction) * (2 * double(from[c]) + double(to[c])) +
+                       double(b.extinction) * (double(from[c]) + 2 * double(to[c])));
+  }
+}
+
+TransferFunction::Integral TransferFunction::integral_to(float value) const {
+  const Node& front = nodes_.front();
+  if (value <= front.value) {  // the function is constant there
+    Integral sum;
+    const double width = double(value) - double(front.value);
+    sum.extinction = width * double(front.extinction);
+    const float* c = &front.color.white;
+    for (std::size_t k = 0; k < 4; ++k) sum.color[k] = sum.extinction * double(c[k]);
+    return sum;
+  }
+  const Node& last = nodes_.back();
+  if (value >= last.value) {
+    Integral sum = integrals_.back();
+    const double further = (double(value) - double(last.value)) * double(last.extinction);
+    const float* c = &last.color.white;
+    sum.extinction += further;
+    for (std::size_t k = 0; k < 4; ++k) sum.color[k] += further * double(c[k]);
+    return sum;
+  }
+  const std::size_t i = interval(value);
+  const Node& a = nodes_[i];
+  const Sample b = at(value);
+  const double width = double(value) - double(a.value);
+  Integral sum = integrals_[i];
+  sum.extinction += width * 0.5 * (double(a.extinction) + double(b.extinction));
+  const float* from = &a.color.white;
+  const float* to = &b.color.white;
+  for (std::size_t c = 0; c < 4; ++c)
+    sum.color[c] += width / 6 *
+                    (double(a.extinction) * (2 * double(from[c]) + double(to[c])) +
+                     double(b.extinction) * (double(from[c]) + 2 * double(to[c])));
+  return sum;
+}
+
+TransferFunction::Sample TransferFunction::mean(float a, float b) const {
+  const float low = std::min(a, b), high = std::max(a, b);
+  // Differences of integrals lose digits where the values are close; there the function is nearly linear.
+  const bool is_linear =
+      low >= nodes_.front().value && high <= nodes_.back().value && interval(low) == interval(high);
+  if (is_linear || high - low <= 1e-5f * std::max(std::abs(high), std::abs(low))) {
+    const Sample from = at(low), to = at(high);
+    const float extinction = 0.5f * (from.extinction + to.extinction);
+    const float weight = extinction > 0 ? (from.extinction + 2 * to.extinction) / (6 * extinction) : 0.5f;
+    return {extinction, mixed(from.color, to.color, weight)};
+  }
+  const Integral from = integral_to(low), to = integral_to(high);
+  const double extinction = to.extinction - from.extinction;
+  Sample out;
+  out.extinction = float(extinction / (double(high) - double(low)));
+  if (!(extinction > 0)) return {0, at(0.5f * (low + high)).color};
+  float* c = &out.color.white;
+  for (std::size_t k = 0; k < 4; ++k) c[k] = float((to.color[k] - from.color[k]) / extinction);
+  return out;
+}
+
+float TransferFunction::max_extinction(float low, float high) const {
+  float most = std::max(at(low).extinction, at(high).extinction);
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (nodes_[i].value >= low && nodes_[i].value <= high) most = std::max(most, nodes_[i].extinction);
+  return most;
+}
+
+TransferFunction TransferFunction::read(const Properties& p, const std::string& suffix) {
+  const auto name = [&](const char* stem) { return stem + suffix; };
+  const double unit = p.get_float("opacity_unit_length", 1, Range::positive());
+  const std::string preset_name = p.get_string(name("preset"), ""),
+                    map_name = p.get_string(name("color_map"), "");
+  const std::string encoding = p.get_choice("color_encoding", "linear", {"linear", "srgb"});
+  bool is_srgb = encoding == "srgb";
+  Curve color{{0}, {{1, 1, 1}}};
+  std::optional<Curve> opacity;
+  if (!preset_name.empty()) {
+    const TransferPreset* preset = find_transfer_preset(preset_name);
+    if (!preset)
+      throw p.error(name("preset"), "unknown preset \"" + preset_name + "\"" +
+                                        did_you_mean_or_all(preset_name, transfer_preset_names()));
+    color = colors_of(preset->colors), opacity = pairs_of(preset->opacities), is_srgb = true;
+  }
+  if (!map_name.empty()) {
+    const ColorMap* map = find_color_map(map_name);
+    if (!map)
+      throw p.error(name("color_map"), "unknown colour map \"" + map_name + "\"" +
+                                           did_you_mean_or_all(map_name, color_map_names()));
+    const std::vector<double> range =
+        p.has(name("range")) ? get_number_list(p, name("range")) : std::vector<double>{0, 1};
+    if (range.size() != 2 || !(range[0] < range[1]))
+      throw p.error(name("range"), "expected two ascending numbers, such as \"-1000, 2000\"");
+    color = spread(*map, range[0], range[1]), is_srgb = true;
+  } else if (p.has(name("range"))) {
+    get_number_list(p, name("range"));
+    throw p.error(name("range"), "is for a colour map, and \"color_map\" is missing");
+  }
+  if (p.has(name("colors"))) {
+    if (!map_name.empty()) throw p.error(name("colors"), "give either \"colors\" or \"color_map\"");
+    color = read_curve(p, name("colors"), 3, 1, "0 0 0 0, 100 1 0.8 0.6"), is_srgb = encoding == "srgb";
+  }
+  if (is_srgb)
+    color = refined(color, kPieces, [](const std::array<double, 3>& c) {
+      return std::array<double, 3>{linear_of_srgb(c[0]), linear_of_srgb(c[1]), linear_of_srgb(c[2])};
+    });
+  if (p.has(name("extinction"))) {
+    if (p.has(name("opacity")))
+      throw p.error(name("extinction"), "give either \"opacity\" or \"extinction\"");
+    return {read_curve(p, name("extinction"), 1, 1e18, "0 0, 100 2.5"), color};
+  }
+  if (p.has(name("opacity"))) opacity = read_curve(p, name("opacity"), 1, 1, "0 0, 100 0.3");
+  if (!opacity)
+    throw p.error(
+        name("opacity"),
+        "is missing: give \"opacity\" as values and opacities (\"0 0, 100 0.3\"), \"extinction\", or a \"preset\"");
+  bool is_limited = false;
+  for (const auto& numbers : opacity->numbers) is_limited |= numbers[0] > kMaxOpacity;
+  if (is_limited && p.has(name("opacity")))
+    p.note(name("opacity"),
+           fmt::format("opacities above {:g} in a unit of length count as {:g}, because an opacity of 1 "
+                       "needs an infinite extinction",
+                       kMaxOpacity, kMaxOpacity));
+  const Curve extinction = refined(*opacity, kPieces, [&](const std::array<double, 3>& c) {
+    return std::array<double, 3>{-std::log1p(-std::min(c[0], kMaxOpacity)) / unit, 0, 0};
+  });
+  return {extinction, color};
+}
+
+std::vector<ParameterDoc> TransferFunction::rows() {
+  return {
+      {"opacity", "string", "", "of the preset",
+       "values and the opacity of a layer of `opacity_unit_length` at each, in ascending order, linear between them: "
+       "\"VALUE OPACITY, VALUE OPACITY, ...\"; a value that stands twice makes a jump"},
+      {"extinction", "string", "1/length", "none", "instead of opacity: values and extinction coefficients"},
+      {"opacity_unit_length", "float", "length", "1", "thickness of the layer whose opacity is given"},
+      {"colors", "string", "", "white", "values and the red, green and blue of each, from 0 to 1"},
+      {"color_encoding", "string", "", "linear",
+       "\"linear\": colors are linear sRGB and linear between values; \"srgb\": they are encoded as in picture files, and "
+       "interpolated so, as in VTK"},
+      {"color_map", "string", "", "none",
+       "colours of a map over `range`, instead of colors: viridis, magma, inferno, plasma, gray"},
+      {"range", "string", "", "0, 1", "the two values at the ends of the colour map"},
+      {"preset", "string", "", "none",
+       "colours and opacities by name: ct_bone, ct_soft_tissue (Hounsfield units, unit of length 1 mm), mr (values from 0 to 1000), generic (0 to 1)"}};
+}
+
+}  // namespace aureole

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// `TransferFunction`: what a number of a volume looks like, as extinction and colour. Both are piecewise linear in
+// the number, and may jump.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "aureole/spectrum/spectrum.h"
+
+namespace aureole {
+
+class Properties;
+struct ParameterDoc;
+
+/// A colour as weights of a flat spectrum and of the spectra of the red, green and blue primary, so that mixtures of
+/// colours are linear and greys are flat.
+struct ColorWeights {
+  float white = 0, red = 0, green = 0, blue = 0;
+
+  static ColorWeights of_linear_rgb(float r, float g, float b);
+};
+
+/// The spectra that `ColorWeights` weigh, at the wavelengths of one path.
+class ColorBasis {
+public:
+  explicit ColorBasis(const Spectrum& nm);
+  Spectrum eval(const ColorWeights& c) const {
+    return Spectrum(c.white) + red_ * c.red + green_ * c.green + blue_ * c.blue;
+  }
+
+private:
+  Spectrum red_, green_, blue_;
+};
+
+class TransferFunction {
+public:
+  struct Sample {
+    float extinction = 0;  ///< [1/length]
+    ColorWeights color;
+  };
+  /// A point of the curve; two points of one value are a jump.
+  struct Node : Sample {
+    float value = 0;
+  };
+
+  /// A curve of at least one number by value: pairs in ascending order of the first, of which two may be equal.
+  struct Curve {
+    std::vector<double> values;
+    std::vector<std::array<double, 3>> numbers;  ///< of one number the first is used
+  };
+  /// `extinction` [1/length] and `color` (linear sRGB) by value; they are extended by their first and last number.
+  TransferFunction(const Curve& extinction, const Curve& color);
+
+  /// Reads the parameters of `rows`; `suffix` is added to their names. Throws located Errors.
+  static TransferFunction read(const Properties& properties, const std::string& suffix = "");
+  static std::vector<ParameterDoc> rows();
+
+  /// The function at a value; at a jump that of larger values.
+  Sample at(float value) const {
+    const std::size_t i = interval(value);
+    const Node &a = nodes_[i], &b = nodes_[i + 1];
+    const float t =
+        b.value > a.value ? clamped((value - a.value) / (b.value - a.value)) : float(value >= a.value);
+    return {a.extinction + t * (b.extinction - a.extinction), mixed(a.color, b.color, t)};
+  }
+  /// The mean extinction over the values between `a` and `b`, and the mean colour weighted by the extinction: what a
+  /// short segment holds along which the value changes linearly from `a` to `b` (Engel, Kraus & Ertl 2001, "High-quality
+  /// pre-integrated volume rendering using hardware-accelerated pixel shading", section 3, by integral functions).
+  Sample mean(float a, float b) const;
+  /// Upper bound of the extinction over the values from `low` to `high`.
+  float max_extinction(float low, float high) const;
+  float max_extinction() const { return max_extinction_; }
+  const std::vector<Node>& nodes() const { return nodes_; }
+
+private:
+  static float clamped(float t) { return t < 0 ? 0.f : t > 1 ? 1.f : t; }
+  static ColorWeights mixed(const ColorWeights& a, const ColorWeights& b, float t) {
+    return {a.white + t * (b.white - a.white), a.red + t * (b.red - a.red), a.green + t * (b.green - a.green),
+            a.blue + t * (b.blue - a.blue)};
+  }
+  /// Index of the last node whose value is not above `value`, at most the last but one; 0 below all nodes.
+  std::size_t interval(float value) const {
+    const float at = (value - first_) * scale_;
+    std::size_t i = at > 0 ? starts_[at < float(kBuckets - 1) ? std::size_t(at) : kBuckets - 1] : 0;
+    while (i + 2 < nodes_.size() && nodes_[i + 1].value <= value) ++i;
+    return i;
+  }
+  struct Integral {
+    double extinction = 0;
+    std::array<double, 4> color{};  ///< of extinction times colour
+  };
+  Integral integral_to(float value) const;
+
+  static constexpr std::size_t kBuckets = 1024;
+  std::vector<Node> nodes_;          ///< at least two
+  std::vector<Integral> integrals_;  ///< from the first node to each node
+  std::vector<std::uint32_t> starts_;
+  float first_ = 0, scale_ = 0, max_extinction_ = 0;
+};
+
+}  // namespace aureole

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: Apache-2.0
+// Direct volume rendering, one ray at a time, against closed forms of the forms, methods and limits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <span>
+
+#include "aureole/integrator/integrator.h"
+#include "aureole/loading/load.h"
+#include "aureole/spectrum/observer.h"
+#include "volume/volume_test_support.h"
+
+namespace aureole::test {
+namespace {
+
+/// A classified medium in the unit cube whose numbers are `values` on a grid of that size.
+std::string volume_of(const VolumeFolder& folder, const std::string& name, const std::array<int, 3>& size,
+                      const std::vector<float>& values, const std::string& parameters) {
+  const auto file = write_bytes(folder.path() / (name + ".vol"), make_vol(size, 1, values).bytes());
+  std::string grid = grid_xml(file);
+  grid.insert(grid.find(' '), R"( name="value")");
+  return R"(<shape type="cube"><transform name="to_world"><translate x="1" y="1" z="1"/><scale value="0.5"/>
+      <scale value="1.02"/><translate x="-0.01" y="-0.01" z="-0.01"/></transform>
+    <bsdf type="null"/><medium type="classified" name="interior">)" +
+         grid + parameters + "</medium></shape>";
+}
+
+std::string text(const std::string& name, const std::string& value) {
+  return R"(<string name=")" + name + R"(" value=")" + value + R"("/>)";
+}
+
+std::string number(const std::string& name, double value) {
+  return R"(<float name=")" + name + R"(" value=")" + std::to_string(value) + R"("/>)";
+}
+
+LoadedScene scene_of(const std::string& integrator, const std::string& content) {
+  return load_scene_from_string(R"(<scene version="3.0.0"><integrator type=")" + integrator +
+                                    "</integrator>" + content +
+                                    R"(<sensor type="perspective"><sampler type="sobol"/></sensor></scene>)",
+                                "dvr.xml");
+}
+std::string dvr(const std::string& parameters) { return R"(dvr">)" + parameters; }
+
+/// The light of one ray.
+struct Seen {
+  double radiance,
+      spread;  ///< in units of the spectrum of D65, or of 1 where it is flat; largest minus smallest
+  double alpha;
+  float measures[3] = {0, 0, 0};  ///< optical thickness, value, depth
+};
+
+Seen look(const LoadedScene& loaded, const Ray& ray, int sample = 0, bool flat = false) {
+  const Scene& scene = *loaded.scene;
+  const SpectralGrid grid = scene.wavelengths().grid();
+  const SampledSpectrum d65 = d65_spectrum(grid, 1);
+  const Sampler& sampler = scene.sensor().sensor->sampler();
+  Path path;
+  path.samples = SampleStream(sampler, 7, std::uint32_t(sample));
+  path.wavelengths = scene.wavelengths().sample(path.samples.get1(2));
+  path.samples.set_first(SampleStream::camera_dimensions(false));
+  path.ray = ray;
+  Seen seen;
+  path.aovs = seen.measures;
+  std::vector<Splat> splats;
+  loaded.integrator->trace(scene, std::span(&path, 1), splats, {});
+  Spectrum s = path.result.estimate * (path.wavelengths.pdf * float(kWavelengths));
+  if (!flat) s = s / d65.eval(path.wavelengths);
+  double low = 1e30, high = -1e30, sum = 0;
+  for (int i = 0; i < kWavelengths; ++i)
+    low = std::min(low, double(s[i])), high = std::max(high, double(s[i])), sum += double(s[i]);
+  seen.radiance = sum / kWavelengths, seen.spread = high - low, seen.alpha = double(path.result.alpha);
+  return seen;
+}
+
+const Ray kAlongZ{{0.5f, 0.5f, -1}, {0, 0, 1}}, kAlongX{{-1, 0.5f, 0.5f}, {1, 0, 0}};
+const std::vector<float> kOnes(8, 1);
+
+std::vector<float> ramp(int n) {
+  std::vector<float> values;
+  for (int i = 0; i < 4 * n; ++i) values.push_back((float(i % n) + 0.5f) / float(n));
+  return values;
+}
+
+double slab(const VolumeFolder& folder, const std::string& parameters, double step,
+            const std::string& medium = text("extinction", "0 2")) {
+  const auto scene =
+      scene_of(dvr(parameters + number("step", step)), volume_of(folder, "slab", {2, 2, 2}, kOnes, medium));
+  const Seen seen = look(scene, kAlongZ);
+  EXPECT_LT(seen.spread, 1e-5 * seen.radiance);
+  return seen.radiance;
+}
+
+TEST(Dvr, SlabOfThickness2) {
+  const VolumeFolder folder;
+  const double exact = 1 - std::exp(-2.0);  // 0.864665
+  const std::string exhaustive = number("termination", 0);
+  for (const int n : {1, 3, 4, 16, 64}) EXPECT_NEAR(slab(folder, exhaustive, 1.0 / n), exact, 2e-6) << n;
+  const std::string premultiplied = exhaustive + text("form", "premultiplied"),
+                    taylor = exhaustive + text("alpha", "taylor");
+  const std::pair<int, std::array<double, 2>> rows[] = {
+      {4, {1.09877, 0.9375}}, {16, {0.91983, 0.881933}}, {64, {0.87825, 0.868916}}};
+  for (const auto& [n, expected] : rows) {
+    EXPECT_NEAR(slab(folder, premultiplied, 1.0 / n), expected[0], 1e-5) << n;
+    EXPECT_NEAR(slab(folder, taylor, 1.0 / n), expected[1], 1e-5) << n;
+  }
+  EXPECT_NEAR(slab(folder, text("method", "emission_absorption"), 0.25), exact, 2e-6);
+}
+
+TEST(Dvr, TheLastStepIsShorter) {
+  const VolumeFolder folder;
+  EXPECT_NEAR(slab(folder, number("termination", 0), 0.3), 1 - std::exp(-2.0), 2e-6);
+  EXPECT_NEAR(slab(folder, number("termination", 0), 17), 1 - std::exp(-2.0), 2e-6);
+  // A premultiplied sum with steps of 0.4, 0.4 and 0.2.
+  const double t = std::exp(-0.8);
+  EXPECT_NEAR(slab(folder, number("termination", 0) + text("form", "premultiplied"), 0.4),
+              0.8 + 0.8 * t + 0.4 * t * t, 1e-5);
+}
+
+TEST(Dvr, OpacityBelongsToALength) {
+  const VolumeFolder folder;
+  const auto content = volume_of(folder, "slab", {2, 2, 2}, kOnes,
+                                 text("opacity", "0 0.3") + text("clip_box", "0 0 0 1 1 0.25"));
+  EXPECT_NEAR(look(scene_of(dvr(""), content), kAlongZ).radiance, 0.0853088, 1e-6);
+  EXPECT_NEAR(look(scene_of(dvr(""), content), kAlongZ).alpha, 0.0853088, 1e-6);
+  const auto thin = volume_of(folder, "slab", {2, 2, 2}, kOnes,
+                              text("opacity", "0 0.3") + number("opacity_unit_length", 0.5));
+  EXPECT_NEAR(look(scene_of(dvr(""), thin), kAlongZ).radiance, 1 - 0.7 * 0.7, 1e-6);
+}
+
+TEST(Dvr, NarrowFunctionsNeedPreintegration) {
+  const VolumeFolder folder;
+  const auto content =
+      volume_of(folder, "ramp", {64, 2, 2}, ramp(64), text("extinction", "0.45 0, 0.45 10, 0.55 10, 0.55 0"));
+  const double found[] = {0, 0, 1.25, 0.9375};
+  const int counts[] = {4, 8, 16, 64};
+  for (int i = 0; i < 4; ++i) {
+    const std::string measures = R"(<boolean name="measures" value="true"/>)" +
+                                 number("step", 1.0 / counts[i]) + number("termination", 0);
+    EXPECT_NEAR(look(scene_of(dvr(measures), content), kAlongX).measures[0], found[i], 1e-4) << counts[i];
+    EXPECT_NEAR(
+        look(scene_of(dvr(measures + text("classification", "preintegrated")), content), kAlongX).measures[0],
+        1, 1e-4)
+        << counts[i];
+  }
+}
+
+/// A smooth ball in the unit cube: its numbers fall from 1 in the middle.
+std::string ball(const VolumeFolder& folder, const std::string& parameters) {
+  constexpr int n = 32;
+  std::vector<float> values;
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        const float at[3] = {(float(x) + 0.5f) / n - 0.5f, (float(y) + 0.5f) / n - 0.5f,
+                             (float(z) + 0.5f) / n - 0.5f};
+        values.push_back(std::exp(-20 * (at[0] * at[0] + at[1] * at[1] + at[2] * at[2])));
+      }
+  return volume_of(folder, "ball", {n, n, n}, values, parameters);
+}
+
+const Ray kOblique{{-0.5f, -0.2f, -1}, {0.48f, 0.36f, 0.8f}};
+
+TEST(Dvr, OrdersSkippingAndTermination) {
+  const VolumeFolder folder;
+  const std::string content = ball(
+      folder, text("extinction", "0.3 0, 0.5 8, 1 2") + text("color_map", "viridis") + text("range", "0 1"));
+  const auto render = [&](const std::string& parameters) {
+    return look(scene_of(dvr(number("step", 0.01) + parameters), content), kOblique);
+  };
+  const Seen front = render(number("termination", 0));
+  EXPECT_GT(front.radiance, 0.05);
+  const Seen back = render(text("order", "back_to_front") + number("termination", 0));
+  EXPECT_NEAR(back.radiance, front.radiance, 1e-6);
+  EXPECT_NEAR(back.alpha, front.alpha, 1e-6);
+  const Seen unskipped = render(number("termination", 0) + R"(<boolean name="skip_empty" value="false"/>)");
+  EXPECT_EQ(unskipped.radiance, front.radiance);
+  EXPECT_EQ(unskipped.alpha, front.alpha);
+  const Seen early = render(number("termination", 0.4));
+  EXPECT_LT(early.radiance, front.radiance);
+  EXPECT_GT(early.radiance, front.radiance - 0.4);
+}
+
+TEST(Dvr, PremultipliedStepsConvergeWithFirstOrder) {
+  const VolumeFolder folder;
+  const std::string content = ball(folder, text("extinction", "0 0, 1 6"));
+  const double exact =
+      look(scene_of(dvr(text("method", "emission_absorption") + number("tolerance", 1e-5)), content),
+           kOblique)
+          .radiance;
+  double last = 0;
+  for (const double step : {0.04, 0.02, 0.01, 0.005}) {
+    const double error =
+        look(scene_of(dvr(text("form", "premultiplied") + number("termination", 0) + number("step", step)),
+                      content),
+             kOblique)
+            .radiance -
+        exact;
+    if (last != 0) {
+      EXPECT_NEAR(std::log2(last / error), 1, 0.05) << step;
+    }
+    last = error;
+  }
+}
+
+TEST(Dvr, PathFindsTheSameLight) {
+  const VolumeFolder folder;
+  const std::string content = ball(folder, text("extinction", "0 0, 1 6"));
+  const double exact = look(scene_of(dvr(text("method", "emission_absorption")), content), kOblique).radiance;
+  const auto scene = scene_of(R"(path">)", content);
+  constexpr int kCount = 4096;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = look(scene, kOblique, i).radiance;
+    sum += x, squares += x * x;
+  }
+  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  EXPECT_LT(error, 0.01 * exact);
+  EXPECT_NEAR(mean, exact, 4 * error);
+}
+
+TEST(Dvr, SingleScatteringOfASlab) {
+  const VolumeFolder folder;
+  // Light from the side of the sensor: both ways have the same length.
+  const std::string content =
+      volume_of(folder, "slab", {2, 2, 2}, kOnes,
+                text("extinction", "0 2") + text("colors", "0 0.6 0.6 0.6") + text("color_is", "albedo")) +
+      R"(<emitter type="directional"><vector name="direction" x="0" y="0" z="1"/>
+                                 <spectrum name="irradiance" value="3"/></emitter>)";
+  const auto scene =
+      scene_of(dvr(text("method", "single_scattering") + R"(<boolean name="jitter" value="true"/>)" +
+                   number("step", 0.05) + number("termination", 0)),
+               content);
+  const double exact = 0.6 * 3 / (4 * 3.14159265358979) * (1 - std::exp(-4.0)) / 2;
+  constexpr int kCount = 512;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = look(scene, kAlongZ, i, true).radiance;
+    sum += x, squares += x * x;
+  }
+  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  EXPECT_LT(error, 0.01 * exact);
+  EXPECT_NEAR(mean, exact, 4 * error + 2e-3 * exact);
+}
+
+TEST(Dvr, Projections) {
+  const VolumeFolder folder;
+  const auto render = [&](const std::string& method) {
+    const std::string content =
+        volume_of(folder, "ramp", {64, 2, 2}, ramp(64),
+                  text("opacity", "0 0, 1 0.5") + text("color_map", "gray") + text("range", "0 1"));
+    return look(scene_of(dvr(text("method", method) + R"(<boolean name="measures" value="true"/>)"), content),
+                kAlongX);
+  };
+  EXPECT_NEAR(render("average").measures[1], 0.5, 1e-5);
+  EXPECT_NEAR(render("average").alpha, 0.25, 1e-3);
+  EXPECT_NEAR(render("mip").measures[1], 1 - 0.5 / 64, 1e-6);
+  EXPECT_NEAR(render("mip").measures[2], 2, 0.01);  // the ray begins 1 before the cube
+  EXPECT_NEAR(slab(folder, text("method", "xray"), 0.1), std::exp(-2.0), 2e-6);
+}
+
+TEST(Dvr, AThinSlabIsItsSlice) {
+  const VolumeFolder folder;
+  std::vector<float> values;
+  for (int i = 0; i < 8 * 8 * 8; ++i) values.push_back(std::sin(float(i) * 12.9f) * 0.5f + 0.5f);
+  const auto content = volume_of(folder, "noise", {8, 8, 8}, values,
+                                 text("extinction", "0 1") + text("clip_box", "0 0 0.3124 1 1 0.3126"));
+  const auto scene =
+      scene_of(dvr(text("method", "average") + R"(<boolean name="measures" value="true"/>)"), content);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) {
+      const Ray ray{{(float(x) + 0.5f) / 8, (float(y) + 0.5f) / 8, -1}, {0, 0, 1}};
+      EXPECT_NEAR(look(scene, ray).measures[1], values[std::size_t(2 * 64 + y * 8 + x)], 1e-3);
+    }
+}
+
+TEST(Dvr, IsosurfacesOfADistance) {
+  const VolumeFolder folder;
+  // A window of 24^3 voxels on a sphere of a radius of 400 voxels around (12, 12, -380).
+  constexpr int n = 24;
+  std::vector<float> values;
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x)
+        values.push_back(float(400 - std::sqrt(std::pow(x + 0.5 - 12, 2) + std::pow(y + 0.5 - 12, 2) +
+                                               std::pow(z + 0.5 + 388, 2))));
+  const std::string medium = text("opacity", "0 0.9999") + text("colors", "0 1 1 1") +
+                             number("opacity_unit_length", 0.001) + number("ambient", 0) +
+                             number("diffuse", 1) + number("specular", 0);
+  const std::string light = R"(<emitter type="directional"><vector name="direction" x="0.6" y="0" z="-0.8"/>
+                               <spectrum name="irradiance" value="3.14159265"/></emitter>)";
+  const auto scene =
+      scene_of(dvr(text("method", "isosurface") + text("isovalues", "0") + text("lighting", "gradient") +
+                   R"(<boolean name="measures" value="true"/>)"),
+               volume_of(folder, "distance", {n, n, n}, values, medium) + light);
+  for (const auto& [x, y] : {std::pair{0.5f, 0.5f}, {0.31f, 0.62f}, {0.77f, 0.4f}, {0.43f, 0.29f}}) {
+    const Vec3 o{x, y, 2}, d{0, 0, -1};
+    const Seen seen = look(scene, {o, d}, 0, true);
+    const double dx = double(x) * n - 12, dy = double(y) * n - 12,
+                 z = std::sqrt(400.0 * 400 - dx * dx - dy * dy) - 388;
+    EXPECT_NEAR((2 - double(seen.measures[2])) * n, z, 1e-3);
+    // The light shows the normal: its cosine changes by more than 1e-3 over 0.1 degrees.
+    const double nx = dx / 400, nz = (z + 388) / 400;
+    EXPECT_NEAR(seen.radiance / 0.9999, -0.6 * nx + 0.8 * nz, 1e-3);
+  }
+}
+
+TEST(Dvr, GradientShading) {
+  const VolumeFolder folder;
+  // Numbers grow along x: the normal is the x axis, 60 degrees from the light and 0 from the sensor.
+  const std::string medium = text("extinction", "0 20") + text("colors", "0 0.5 0.5 0.5") +
+                             number("ambient", 0) + number("diffuse", 0.7) + number("specular", 0.3) +
+                             number("shininess", 4);
+  const std::string light =
+      R"(<emitter type="directional"><vector name="direction" x="0.5" y="0.8660254" z="0"/>
+                               <spectrum name="irradiance" value="2"/></emitter>)";
+  const auto content = volume_of(folder, "ramp", {64, 2, 2}, ramp(64), medium) + light;
+  const auto shade = [&](const std::string& highlight) {
+    return look(scene_of(dvr(text("lighting", "gradient") + text("highlight", highlight) +
+                             number("termination", 0)),
+                         content),
+                kAlongX, 0, true)
+        .radiance;
+  };
+  const double pi = 3.14159265358979;
+  EXPECT_NEAR(shade("halfway"), 2 / pi * (0.5 * 0.7 * 0.5 + 0.3 * std::pow(std::cos(pi / 6), 4)), 2e-5);
+  EXPECT_NEAR(shade("reflection"), 2 / pi * (0.5 * 0.7 * 0.5 + 0.3 * std::pow(std::cos(pi / 3), 4)), 2e-5);
+}
+
+TEST(Dvr, SurfacesAndOverlappingVolumes) {
+  const VolumeFolder folder;
+  const std::string one = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 2"));
+  const std::string lamp =
+      R"(<shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><translate x="0.5" y="0.5" z="0.5"/></transform>
+                              <emitter type="area"><rgb name="radiance" value="5"/></emitter></shape>)";
+  const Seen seen = look(scene_of(dvr(number("termination", 0)), one + lamp), kAlongZ);
+  EXPECT_NEAR(seen.radiance, (1 - std::exp(-1.0)) + 5 * std::exp(-1.0),
+              2e-3);  // the lamp's <rgb> is upsampled
+  EXPECT_NEAR(seen.alpha, 1, 1e-6);
+  EXPECT_NEAR(look(scene_of(dvr(number("termination", 0)),
+                            one + volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 1"))),
+                   kAlongZ)
+                  .radiance,
+              1 - std::exp(-3.0), 2e-6);
+}
+
+TEST(Dvr, ColoursAreThoseOfTheFile) {
+  const VolumeFolder folder;
+  const auto scene =
+      scene_of(dvr(""), volume_of(folder, "slab", {2, 2, 2}, kOnes,
+                                  text("extinction", "0 50") + text("colors", "0 0.8 0.4 0.1")));
+  // The colour by the CIE observer, from many wavelengths.
+  double rgb_sum[3] = {0, 0, 0};
+  const SpectralGrid grid = scene.scene->wavelengths().grid();
+  const auto observer = observer_xyz(grid);
+  constexpr int kCount = 512;
+  for (int i = 0; i < kCount; ++i) {
+    const Sampler& sampler = scene.scene->sensor().sensor->sampler();
+    Path path;
+    path.samples = SampleStream(sampler, 7, std::uint32_t(i));
+    path.wavelengths = scene.scene->wavelengths().sample((float(i) + 0.5f) / kCount);
+    path.samples.set_first(SampleStream::camera_dimensions(false));
+    path.ray = kAlongZ;
+    std::vector<Splat> splats;
+    scene.integrator->trace(*scene.scene, std::span(&path, 1), splats, {});
+    double xyz[3];
+    for (int c = 0; c < 3; ++c)
+      xyz[c] = double(sum(path.result.estimate * observer[std::size_t(c)].eval(path.wavelengths)));
+    float rgb[3];
+    xyz_to_srgb(xyz, rgb);
+    for (int c = 0; c < 3; ++c) rgb_sum[c] += double(rgb[c]) / kCount;
+  }
+  const double scale = 0.8 / rgb_sum[0];
+  EXPECT_NEAR(rgb_sum[1] * scale, 0.4, 0.003);
+  EXPECT_NEAR(rgb_sum[2] * scale, 0.1, 0.003);
+}
+
+std::string problem(const std::string& integrator, const std::string& content) {
+  return error_of([&] {
+    const auto scene = scene_of(integrator, content);
+    scene.integrator->require_scene(*scene.scene);
+  });
+}
+
+TEST(Dvr, BadInputIsLocated) {
+  const VolumeFolder folder;
+  const auto medium = [&](const std::string& parameters) {
+    return problem(dvr(""), volume_of(folder, "slab", {2, 2, 2}, kOnes, parameters));
+  };
+  EXPECT_NE(medium("").find("dvr.xml:"), std::string::npos);
+  EXPECT_NE(medium("").find("give \"opacity\""), std::string::npos);
+  EXPECT_NE(medium(text("opacity", "1 0, 0 0.5")).find("must ascend, but 0 follows 1"), std::string::npos);
+  EXPECT_NE(medium(text("opacity", "0 0, 1 1.5")).find("from 0 to 1"), std::string::npos);
+  EXPECT_NE(medium(text("opacity", "0 0, 1")).find("found 3 numbers"), std::string::npos);
+  EXPECT_NE(medium(text("preset", "ct_bones")).find("ct_bone"), std::string::npos);
+  EXPECT_NE(medium(text("opacity", "0 0.5") + text("color_map", "virids")).find("viridis"),
+            std::string::npos);
+  EXPECT_NE(medium(text("opacity", "0 0.5") + text("clip_box", "1 0 0 0 1 1")).find("lower corner"),
+            std::string::npos);
+  EXPECT_NE(medium(text("opacity", "0 0.5") + text("color_is", "albedo")).find("lighting"),
+            std::string::npos);
+  const std::string good = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("opacity", "0 0.5"));
+  EXPECT_NE(
+      problem(dvr(text("method", "isosurface")), good).find("is missing: the numbers of the volume where"),
+      std::string::npos)
+      << problem(dvr(text("method", "isosurface")), good);
+  EXPECT_NE(problem(dvr(text("method", "mip") + text("form", "premultiplied")), good).find("composite"),
+            std::string::npos);
+  EXPECT_NE(problem(dvr(""), "").find("classified"), std::string::npos);
+  EXPECT_NE(problem(dvr(number("step", -1)), good).find("step"), std::string::npos);
+  std::vector<float> broken = kOnes;
+  broken[3] = std::nanf("");
+  EXPECT_NE(problem(dvr(""), volume_of(folder, "nan", {2, 2, 2}, broken, text("opacity", "0 0.5")))
+                .find("dvr.xml:"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace aureole::test
