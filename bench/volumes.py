@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Renders one volume by aureole's `dvr` and by VTK 9 (PyPI, on the CPU) with one camera, transfer function and step, and
+prints how much the pictures differ and how long each takes.
+
+The volume is the head of Debian's package `invesalius-examples` (`--head Cranium.inv3`), or without it a skull-like phantom
+that this script makes. VTK composites colours as the numbers that a screen shows; the scenes state them as linear, so that the
+numbers are the same. VTK's two ray casters shade differently: that by fixed point has
+Blinn's highlights, as `dvr` by default. There is no ambient light: VTK multiplies it by that of the lights, which is black by default.
+"""
+import argparse
+import plistlib
+import re
+import struct
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+COLORS = [(-1000, 0.3, 0.1, 0.1), (150, 0.55, 0.25, 0.15), (350, 0.88, 0.6, 0.4), (700, 0.95, 0.88, 0.75), (2000, 1, 1, 0.98)]
+OPACITIES = [(-1100, 0), (-500, 0), (-300, 0.03), (0, 0.02), (150, 0.02), (300, 0.12), (700, 0.5), (1200, 0.8)]
+
+
+def read_head(path):
+    """The numbers [z, y, x] and the distances of voxels [mm] of an InVesalius project."""
+    with tarfile.open(path) as tar:
+        members = {Path(m.name).name: m for m in tar.getmembers()}
+        main = plistlib.loads(tar.extractfile(members["main.plist"]).read())
+        matrix = np.frombuffer(tar.extractfile(members[main["matrix"]["filename"]]).read(), main["matrix"]["dtype"])
+    return matrix.reshape(main["matrix"]["shape"]).astype("<f4"), main["spacing"]
+
+
+def phantom(n):
+    """A shell of bone within soft tissue, with noise."""
+    x = (np.arange(n) + 0.5) / n * 2 - 1
+    z, y, x = np.meshgrid(x, x, x, indexing="ij")
+    r = np.sqrt((x / 0.75) ** 2 + (y / 0.9) ** 2 + (z / 0.85) ** 2) + 0.02 * np.sin(9 * x) * np.cos(7 * y + 4 * z)
+    values = np.where(r > 1, -1000.0, np.where(np.abs(r - 0.85) < 0.05, 900.0, 40.0))
+    values += np.random.default_rng(1).normal(0, 20, values.shape)
+    for axis in range(3):
+        values = (np.roll(values, 1, axis) + 2 * values + np.roll(values, -1, axis)) / 4
+    return values.astype("<f4"), [200 / n] * 3
+
+
+class Comparison:
+    def __init__(self, values, spacing, size, step, shade, folder, program):
+        self.values, self.spacing, self.size, self.step, self.shade = values, spacing, size, step, shade
+        self.folder, self.program = folder, program
+        extent = np.array(values.shape[::-1]) * spacing
+        self.center = (np.array(values.shape[::-1]) - 1) * np.array(spacing) / 2  # VTK's volume spans the voxel centres
+        self.position = self.center + np.array([0.9, -1.8, 0.5]) * extent.max()
+        self.extent = extent
+
+    def scene(self, spp, extra="", method="composite"):
+        s = np.array(self.spacing)
+        name = self.folder / "volume.vol"
+        if not name.exists():
+            z, y, x = self.values.shape
+            name.write_bytes(struct.pack("<3sB5i6f", b"VOL", 3, 1, x, y, z, 1, 0, 0, 0, 1, 1, 1) + self.values.tobytes())
+        top = (np.array(self.values.shape[::-1]) - 1) * s
+        numbers = lambda rows: ", ".join(" ".join(f"{v:g}" for v in row) for row in rows)  # noqa: E731
+        triple = lambda v: ", ".join(f"{c:.6g}" for c in v)  # noqa: E731
+        light = ""
+        if self.shade:
+            direction = self.center - self.position
+            light = (f'<emitter type="directional"><vector name="direction" value="{triple(direction)}"/>'
+                     f'<rgb name="irradiance" value="{np.pi},{np.pi},{np.pi}"/></emitter>')
+        return f"""<scene version="3.0.0">
+<integrator type="dvr"><string name="method" value="{method}"/><float name="step" value="{self.step}"/>
+  <float name="termination" value="0.004"/>{'<string name="lighting" value="gradient"/>' if self.shade else ""}
+  {extra}<integrator type="direct"/></integrator>
+<sensor type="perspective"><string name="fov_axis" value="y"/><float name="fov" value="30"/>
+  <transform name="to_world"><lookat origin="{triple(self.position)}" target="{triple(self.center)}" up="0, 0, 1"/></transform>
+  <sampler type="sobol"><integer name="sample_count" value="{spp}"/></sampler>
+  <film type="hdrfilm"><integer name="width" value="{self.size[0]}"/><integer name="height" value="{self.size[1]}"/>
+    <string name="component_format" value="float32"/><rfilter type="box"/></film></sensor>
+{light}<shape type="cube"><transform name="to_world"><translate x="1" y="1" z="1"/><scale x="{self.extent[0] / 2}" y="{self.extent[1] / 2}" z="{self.extent[2] / 2}"/>
+    <translate x="{-s[0] / 2}" y="{-s[1] / 2}" z="{-s[2] / 2}"/></transform>
+  <bsdf type="null"/><medium type="classified" name="interior">
+    <volume type="gridvolume" name="value"><string name="filename" value="{name}"/><boolean name="raw" value="true"/>
+      <transform name="to_world"><scale x="{self.extent[0]}" y="{self.extent[1]}" z="{self.extent[2]}"/>
+        <translate x="{-s[0] / 2}" y="{-s[1] / 2}" z="{-s[2] / 2}"/></transform></volume>
+    <string name="opacity" value="{numbers(OPACITIES)}"/><string name="colors" value="{numbers(COLORS)}"/>
+    <string name="clip_box" value="0 0 0 {top[0]} {top[1]} {top[2]}"/>
+    <float name="ambient" value="0"/><float name="diffuse" value="0.7"/><float name="specular" value="0.2"/><float name="shininess" value="10"/>
+  </medium></shape></scene>"""
+
+    def ours(self, spp, extra=""):
+        """The linear RGB picture and the seconds of rendering alone."""
+        import OpenEXR
+
+        scene = self.folder / "scene.xml"
+        scene.write_text(self.scene(spp, extra))
+        out = self.folder / "ours.exr"
+        r = subprocess.run([self.program, "render", scene, "-o", out], capture_output=True, text=True)
+        if r.returncode:
+            sys.exit(r.stderr)
+        seconds = float(re.search(r"in ([\d.]+) s", r.stderr + r.stdout)[1])
+        channels = OpenEXR.File(str(out)).channels()
+        rgb = channels["RGB"].pixels if "RGB" in channels else channels["RGBA"].pixels[..., :3]
+        return np.asarray(rgb, float), seconds
+
+    def vtk(self, step, mapper="gpu", scale=1, frames=3):
+        """VTK's picture, averaged over `scale` x `scale` pixels, and the seconds of a frame."""
+        import vtk
+        from vtk.util import numpy_support
+
+        vtk.vtkObject.GlobalWarningDisplayOff()
+        image = vtk.vtkImageData()
+        image.SetDimensions(*self.values.shape[::-1])
+        image.SetSpacing(*self.spacing)
+        image.GetPointData().SetScalars(numpy_support.numpy_to_vtk(self.values.ravel(), deep=True))
+        ray_cast = vtk.vtkGPUVolumeRayCastMapper() if mapper == "gpu" else vtk.vtkFixedPointVolumeRayCastMapper()
+        ray_cast.SetInputData(image)
+        ray_cast.SetAutoAdjustSampleDistances(0)
+        ray_cast.SetSampleDistance(step)
+        if mapper != "gpu":
+            ray_cast.SetImageSampleDistance(1)
+        opacity, color = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
+        for point in OPACITIES:
+            opacity.AddPoint(*point)
+        for point in COLORS:
+            color.AddRGBPoint(*point)
+        look = vtk.vtkVolumeProperty()
+        look.SetColor(color)
+        look.SetScalarOpacity(opacity)
+        look.SetScalarOpacityUnitDistance(1)
+        look.SetInterpolationTypeToLinear()
+        look.SetShade(self.shade)
+        look.SetAmbient(0), look.SetDiffuse(0.7), look.SetSpecular(0.2), look.SetSpecularPower(10)
+        volume = vtk.vtkVolume()
+        volume.SetMapper(ray_cast)
+        volume.SetProperty(look)
+        renderer = vtk.vtkRenderer()
+        renderer.AddVolume(volume)
+        renderer.AutomaticLightCreationOff()
+        light = vtk.vtkLight()
+        light.SetPositional(0)
+        light.SetPosition(*self.position), light.SetFocalPoint(*self.center)
+        renderer.AddLight(light)
+        window = vtk.vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.SetMultiSamples(0)
+        window.SetSize(self.size[0] * scale, self.size[1] * scale)
+        window.AddRenderer(renderer)
+        camera = renderer.GetActiveCamera()
+        camera.SetPosition(*self.position), camera.SetFocalPoint(*self.center), camera.SetViewUp(0, 0, 1), camera.SetViewAngle(30)
+        renderer.ResetCameraClippingRange()
+        window.Render()
+        best = float("inf")
+        for _ in range(frames):
+            camera.Azimuth(0)
+            ray_cast.Modified()
+            start = time.perf_counter()
+            window.Render()
+            grab = vtk.vtkWindowToImageFilter()
+            grab.SetInput(window)
+            grab.ReadFrontBufferOff()
+            grab.Update()
+            best = min(best, time.perf_counter() - start)
+        data = numpy_support.vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars())
+        picture = data.reshape(self.size[1] * scale, self.size[0] * scale, -1)[::-1, :, :3] / 255
+        return picture.reshape(self.size[1], scale, self.size[0], scale, 3).mean((1, 3)), best
+
+
+def difference(a, b):
+    """Mean absolute difference and mean difference, as parts of the mean of b where b is not black."""
+    seen = b.max(-1) > 0.01
+    return np.abs(a - b)[seen].mean() / b[seen].mean(), (a - b)[seen].mean() / b[seen].mean()
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--head", type=Path, help="Cranium.inv3 of Debian's package invesalius-examples")
+    p.add_argument("--phantom", type=int, default=256, help="voxels along each axis of the phantom")
+    p.add_argument("--size", type=int, nargs=2, default=[1280, 720])
+    p.add_argument("--program", type=Path, default=ROOT / "build/release/bin/aureole")
+    p.add_argument("--keep", type=Path, help="a folder for the scene and the pictures")
+    a = p.parse_args()
+    values, spacing = read_head(a.head) if a.head else phantom(a.phantom)
+    with tempfile.TemporaryDirectory() as name:
+        folder = a.keep or Path(name)
+        folder.mkdir(exist_ok=True, parents=True)
+        print(f"volume {values.shape[::-1]}, spacing {[round(float(s), 3) for s in spacing]} mm, picture {a.size[0]} x {a.size[1]}")
+        for shade in (False, True):
+            c = Comparison(values, spacing, a.size, min(spacing) / 2, shade, folder, a.program)
+            reference = Comparison(values, spacing, [s // 4 for s in a.size], min(spacing) / 2, shade, folder, a.program)
+            ours, _ = reference.ours(64)
+            pictures = {"ours": ours}
+            for mapper, name in (("gpu", "OpenGL"), ("fixed", "fixed point")):
+                pictures[mapper], _ = reference.vtk(reference.step, mapper, scale=4, frames=1)
+                mean_abs, mean = difference(ours, pictures[mapper])
+                print(f"{'shaded' if shade else 'unshaded'}, from VTK by {name}: mean absolute difference {100 * mean_abs:.2f} %, "
+                      f"mean difference {100 * mean:+.2f} %")
+            _, seconds = c.ours(1)
+            _, theirs = c.vtk(c.step)
+            _, fixed = c.vtk(c.step, "fixed")
+            print(f"  seconds of a picture: dvr {seconds:.2f}, VTK ray cast by OpenGL {theirs:.2f}, by fixed point {fixed:.2f}")
+            if a.keep:
+                np.savez(folder / f"{'shaded' if shade else 'unshaded'}.npz", **pictures)
+
+
+if __name__ == "__main__":
+    main()
