@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "aureole/loading/load.h"
 #include "aureole/parameter/grid/scalar_grid.h"
 #include "harness/paths.h"
 #include "volume/volume_test_support.h"
@@ -155,6 +156,21 @@ TEST(GridFiles, RawNumbersBelowZeroByRoundingStay) {
                                 "encoding: ascii\n\n1 -1e-7\n");
   EXPECT_EQ(build_grid(file)->minimum(), 0);
   EXPECT_EQ(build_grid(file, R"(<boolean name="raw" value="true"/>)")->minimum(), -1e-7f);
+}
+
+// Numbers in a file that the scene does not name belong to it, too.
+TEST(GridFiles, FurtherFilesBelongToTheHashOfTheScene) {
+  VolumeFolder folder;
+  for (const char* name : {"skip.nhdr", "skip.raw"}) fs::copy_file(heads() / name, folder.path() / name);
+  const auto scene = write_bytes(
+      folder.path() / "scene.xml",
+      "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\"/><shape type=\"sphere\">"
+      "<bsdf type=\"null\"/><medium type=\"heterogeneous\" name=\"interior\"><volume type=\"gridvolume\" "
+      "name=\"sigma_t\"><string name=\"filename\" value=\"skip.nhdr\"/></volume></medium></shape></scene>");
+  const std::uint64_t before = load_scene(scene).hash;
+  EXPECT_EQ(load_scene(scene).hash, before);
+  write_bytes(folder.path() / "skip.raw", "two\nlines\nxyz" + std::string(120, '\1'));
+  EXPECT_NE(load_scene(scene).hash, before);
 }
 
 // A hole on the disc: opening must not read it, nor take its size in memory.

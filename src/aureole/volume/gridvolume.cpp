@@ -193,7 +193,7 @@ std::vector<ParameterDoc> rows() {
   std::vector<ParameterDoc> all = {
       {"filename", "file", "", "required, or data",
        "a file of 1, 3 or 6 numbers at each voxel: .vol, NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, "
-       ".nii.gz, .hdr), .vti, .npy or TIFF, recognised by its first bytes (docs/volumes.md)"},
+       ".nii.gz, .hdr), .vti, .npy or TIFF, recognised by its first bytes (docs/volume_files.md)"},
       {"data", "array", "", "none",
        "instead of filename, from Python: depth x height x width [x 1, 3 or 6] numbers"},
       {"to_world", "transform", "", "identity",
@@ -226,7 +226,7 @@ std::vector<ParameterDoc> rows() {
 AUREOLE_PLUGIN(
     GridVolume, "volume", "gridvolume",
     PluginDoc{
-        "Values on a regular grid, from one of the formats in docs/volumes.md. One number per voxel is the "
+        "Values on a regular grid, from one of the formats in docs/volume_files.md. One number per voxel is the "
         "value at every wavelength; three are a colour, which becomes a spectrum like a texture's "
         "(docs/conventions.md); spectra are interpolated. As an emission both multiply D65. Six "
         "are numbers without spectrum, such as a symmetric matrix.",

@@ -126,6 +126,9 @@ def itk_image(array):
     return image
 
 
+short = (signed + 100).astype("int16")  # none below 0, so that the fuzzer can render it as a medium
+
+
 def fortran(array):
     return array.tobytes(order="F")
 
@@ -135,13 +138,13 @@ for t in TYPES:
     for ending in ("mha", "nrrd"):
         sitk.WriteImage(itk_image(values(t)), str(heads / f"{t}.{ending}"))
         judge_itk(f"{t}.{ending}")
-sitk.WriteImage(itk_image(values("int16")), str(heads / "packed.mha"), True)
+sitk.WriteImage(itk_image(short), str(heads / "packed.mha"), True)
 judge_itk("packed.mha")
-sitk.WriteImage(itk_image(values("int16")), str(heads / "detached.mhd"))
+sitk.WriteImage(itk_image(short), str(heads / "detached.mhd"))
 judge_itk("detached.mhd")
-sitk.WriteImage(itk_image(values("int16")), str(heads / "detached_packed.mhd"), True)
+sitk.WriteImage(itk_image(short), str(heads / "detached_packed.mhd"), True)
 judge_itk("detached_packed.mhd")
-vector = sitk.Compose([itk_image(values("int16") + 100 * c) for c in range(3)])
+vector = sitk.Compose([itk_image(short + 100 * c) for c in range(3)])
 sitk.WriteImage(vector, str(heads / "vector.mha"))
 judge_itk("vector.mha", "raw=true")
 
@@ -151,23 +154,22 @@ matrix = " ".join(f"{v:.17g}" for v in (lps[:3, :3] / spacing).T.ravel())
 offset = " ".join(f"{v:.17g}" for v in lps[:3, 3])
 meta = (f"ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_SHORT\nElementSpacing = 0.9 1.1 2.5\n"
         f"TransformMatrix = {matrix}\nOffset = {offset}\n")
-big = values("int16").astype(">i2")
+big = short.astype(">i2")
 (heads / "big.mha").write_bytes((meta + "BinaryData = True\nBinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n").encode() + fortran(big))
 judge_itk("big.mha")
 (heads / "text.mha").write_text(meta + "BinaryData = False\nElementDataFile = LOCAL\n"
-                                + " ".join(str(v) for v in values("int16").ravel(order="F")) + "\n")
+                                + " ".join(str(v) for v in short.ravel(order="F")) + "\n")
 judge_itk("text.mha")
 for n in range(3):
-    (heads / f"slice{n + 1:02d}.raw").write_bytes(b"abcdef" + fortran(values("int16")[:, :, n]))
+    (heads / f"slice{n + 1:02d}.raw").write_bytes(b"abcdef" + fortran(short[:, :, n]))
 (heads / "pattern.mhd").write_text(meta + "HeaderSize = 6\nElementDataFile = slice%02d.raw 1 3 1\n")
 judge_itk("pattern.mhd")
 (heads / "list.mhd").write_text(meta + "HeaderSize = -1\nElementDataFile = LIST\nslice01.raw\nslice02.raw\nslice03.raw\n")
 judge_itk("list.mhd")
-(heads / "centre.mha").write_bytes((meta + "CenterOfRotation = 3 2 1\nElementDataFile = LOCAL\n").encode() + fortran(values("int16")))
+(heads / "centre.mha").write_bytes((meta + "CenterOfRotation = 3 2 1\nElementDataFile = LOCAL\n").encode() + fortran(short))
 judge_itk("centre.mha")
 
 # NRRD by hand.
-short = values("int16")
 rows = {}
 for name, flip in (("right-anterior-superior", (1, 1, 1)), ("LPS", (-1, -1, 1)), ("left-anterior-superior", (-1, 1, 1))):
     m = np.diag(flip) @ affine[:3]
@@ -277,8 +279,8 @@ for n, name in enumerate("RGB"):
     rgb[name] = values("uint8") // (n + 1)
 nifti("rgb.nii", rgb, parameters="raw=true")
 nifti("vector.nii", np.stack([short, short + 100, short + 200], -1)[:, :, :, None, :], parameters="raw=true")
-for name, slope, intercept in (("slope", 0.5, -7.25), ("slope_zero", 0, 3), ("slope_nan", np.nan, np.nan)):
-    raw = bytearray((heads / "int16.nii").read_bytes())
+for name, slope, intercept in (("slope", 0.5, 7.25), ("slope_zero", 0, 3), ("slope_nan", np.nan, np.nan)):
+    raw = bytearray((heads / "sform.nii").read_bytes())
     raw[112:120] = np.array([slope, intercept], "<f4").tobytes()
     (heads / f"{name}.nii").write_bytes(raw)
     judge_nibabel(f"{name}.nii")
@@ -287,7 +289,7 @@ for name, slope, intercept in (("slope", 0.5, -7.25), ("slope_zero", 0, 3), ("sl
 
 
 def vti(file, array=short, mode="appended", encode=False, zlib=False, is_cell=False, low=(0, 0, 0), header64=False, big_endian=False,
-        names=("head",), parameters="-", judged=None):
+        names=("density",), parameters="-", judged=None):
     image = vtk.vtkImageData()
     n = np.array(array.shape[:3]) + (1 if is_cell else 0)
     image.SetExtent(*[int(v) for pair in zip(low, np.array(low) + n - 1) for v in pair])
@@ -318,7 +320,7 @@ def vti(file, array=short, mode="appended", encode=False, zlib=False, is_cell=Fa
 for t in TYPES:
     vti(f"{t}.vti", values(t))
 vti("ascii.vti", mode="ascii")
-vti("ascii_float.vti", values("float64"), mode="ascii")
+vti("ascii_float.vti", short + 0.25, mode="ascii")
 vti("binary.vti", mode="binary", header64=True)
 vti("binary_packed.vti", mode="binary", zlib=True)
 vti("appended_base64.vti", encode=True)

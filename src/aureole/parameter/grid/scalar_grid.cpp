@@ -10,6 +10,7 @@
 #include <limits>
 #include <mutex>
 #include <new>
+#include <type_traits>
 
 #include "aureole/core/parallel.h"
 #include "aureole/parameter/grid/grid_reader.h"
@@ -116,23 +117,32 @@ float ScalarGrid::value(int x, int y, int z, int channel) const {
 
 void ScalarGrid::read_row(int x, int y, int z, int channel, std::span<float> out) const {
   const std::ptrdiff_t bytes = std::ptrdiff_t(bytes_of(type));
-  const std::byte* at = numbers.bytes.data() +
-                        bytes * (x * strides[0] + y * strides[1] + z * strides[2] + channel * strides[3]);
-  const std::ptrdiff_t step = bytes * strides[0];
+  const std::byte* const at = numbers.bytes.data() + bytes * (x * strides[0] + y * strides[1] +
+                                                              z * strides[2] + channel * strides[3]);
   const bool is_scaled = slope != 1 || intercept != 0;
+  if (type == ScalarType::float16) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const float v =
+          _cvtsh_ss(loaded<std::uint16_t>(at + std::ptrdiff_t(i) * bytes * strides[0], is_swapped));
+      out[i] = is_scaled ? float(slope * double(v) + intercept) : v;
+    }
+    return;
+  }
   grid_reader::with_type(type, [&](auto example) {
     using T = decltype(example);
-    for (float& v : out) {
-      const T stored = loaded<T>(at, is_swapped);
-      at += step;
-      if (sizeof(T) == 2 && type == ScalarType::float16)
-        v = _cvtsh_ss(std::uint16_t(stored));
-      else if (!is_scaled)
-        v = float(stored);
-      else
-        v = float(slope * double(stored) + intercept);
-      if (is_scaled && type == ScalarType::float16) v = float(slope * double(v) + intercept);
-    }
+    const auto convert = [&](std::ptrdiff_t step, auto swaps, auto scales) {
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const T stored = loaded<T>(at + std::ptrdiff_t(i) * step, swaps);
+        out[i] = scales ? float(slope * double(stored) + intercept) : float(stored);
+      }
+    };
+    // The usual case apart, so that it is vectorised.
+    if (!is_swapped && !is_scaled && strides[0] == 1)
+      convert(sizeof(T), std::false_type(), std::false_type());
+    else if (is_scaled)
+      convert(bytes * strides[0], is_swapped, std::true_type());
+    else
+      convert(bytes * strides[0], is_swapped, std::false_type());
   });
 }
 
@@ -140,13 +150,22 @@ std::array<float, 2> ScalarGrid::range() const {
   std::array<float, 2> all{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
   std::mutex mutex;
   for_each_row(*this, [&](int, int, int, const std::vector<float>& row) {
-    float low = std::numeric_limits<float>::infinity(), high = -low;
-    for (const float v : row) {
-      if (v < low) low = v;
-      if (v > high) high = v;
-    }
+    // Eight at a time, as a vector.
+    constexpr std::size_t kLanes = 8;
+    float low[kLanes], high[kLanes];
+    std::fill_n(low, kLanes, std::numeric_limits<float>::infinity());
+    std::fill_n(high, kLanes, -std::numeric_limits<float>::infinity());
+    const auto add = [&](std::size_t lane, float v) {
+      low[lane] = v < low[lane] ? v : low[lane];
+      high[lane] = v > high[lane] ? v : high[lane];
+    };
+    std::size_t i = 0;
+    for (; i + kLanes <= row.size(); i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) add(lane, row[i + lane]);
+    for (; i < row.size(); ++i) add(0, row[i]);
     const std::lock_guard lock(mutex);
-    all = {std::min(all[0], low), std::max(all[1], high)};
+    all = {std::min(all[0], *std::min_element(low, low + kLanes)),
+           std::max(all[1], *std::max_element(high, high + kLanes))};
   });
   return all;
 }
