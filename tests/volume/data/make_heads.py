@@ -330,7 +330,7 @@ vti("big.vti", big_endian=True, zlib=True)
 vti("cell.vti", is_cell=True)
 vti("extent.vti", low=(3, -2, 7))
 vti("extent_cell.vti", low=(3, -2, 7), is_cell=True)
-vti("named.vti", names=("one", "two"), judged="two", parameters="array=two")
+vti("named.vti", names=("density", "two"), judged="two", parameters="array=two")
 vti("vector.vti", np.stack([short, short + 100, short + 200], -1), parameters="raw=true")
 
 # Arrays and pictures, placed by parameters: centres by numpy.
