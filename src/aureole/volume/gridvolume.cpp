@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "aureole/core/memory.h"
 #include "aureole/parameter/grid/grid_reader.h"
 #include "aureole/parameter/grid/scalar_grid.h"
 #include "aureole/parameter/voxel_data.h"
@@ -113,6 +114,13 @@ private:
       throw p.error(parameter, fmt::format("has {} numbers at each voxel; 1, 3 (colours) and 6 are supported",
                                            channels));
     const bool colors = channels == 3 && !raw;
+    // A mapped file of bytes may be larger, as floats, than the memory.
+    const double bytes = double(grid.size[0]) * grid.size[1] * grid.size[2] *
+                         (colors ? sizeof(UpsampledColor) : sizeof(float) * std::size_t(channels));
+    if (const double free = available_memory_bytes(); bytes > free)
+      throw p.error(parameter,
+                    fmt::format("needs {:.0f} MiB of memory as float32, of which {:.0f} are available",
+                                bytes / (1 << 20), free / (1 << 20)));
     // Raw numbers are what the file says; .vol files keep the treatment that scenes of media rely on.
     const bool is_exact = raw && grid.has_transform && grid.format != ".vol";
     const bool is_denoised = colors || (channels == 1 && !is_exact);

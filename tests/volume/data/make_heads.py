@@ -288,7 +288,7 @@ for name, slope, intercept in (("slope", 0.5, 7.25), ("slope_zero", 0, 3), ("slo
 # .vti: coordinates are the world's as they are.
 
 
-def vti(file, array=short, mode="appended", encode=False, zlib=False, is_cell=False, low=(0, 0, 0), header64=False, big_endian=False,
+def vti(file, array=short, mode="appended", encode=False, compressor="None", is_cell=False, low=(0, 0, 0), header64=False, big_endian=False,
         names=("density",), parameters="-", judged=None):
     image = vtk.vtkImageData()
     n = np.array(array.shape[:3]) + (1 if is_cell else 0)
@@ -309,7 +309,7 @@ def vti(file, array=short, mode="appended", encode=False, zlib=False, is_cell=Fa
     writer.SetInputData(image)
     {"ascii": writer.SetDataModeToAscii, "binary": writer.SetDataModeToBinary, "appended": writer.SetDataModeToAppended}[mode]()
     writer.SetEncodeAppendedData(encode)
-    writer.SetCompressorTypeToZLib() if zlib else writer.SetCompressorTypeToNone()
+    getattr(writer, "SetCompressorTypeTo" + compressor)()
     writer.SetBlockSize(64)
     writer.SetHeaderTypeToUInt64() if header64 else writer.SetHeaderTypeToUInt32()
     writer.SetByteOrderToBigEndian() if big_endian else writer.SetByteOrderToLittleEndian()
@@ -322,11 +322,14 @@ for t in TYPES:
 vti("ascii.vti", mode="ascii")
 vti("ascii_float.vti", short + 0.25, mode="ascii")
 vti("binary.vti", mode="binary", header64=True)
-vti("binary_packed.vti", mode="binary", zlib=True)
+vti("binary_packed.vti", mode="binary", compressor="ZLib")
 vti("appended_base64.vti", encode=True)
-vti("appended_base64_packed.vti", encode=True, zlib=True, header64=True)
-vti("appended_packed.vti", zlib=True)
-vti("big.vti", big_endian=True, zlib=True)
+vti("appended_base64_packed.vti", encode=True, compressor="ZLib", header64=True)
+vti("appended_packed.vti", compressor="ZLib")
+vti("appended_lz4.vti", compressor="LZ4")
+vti("binary_lz4.vti", mode="binary", compressor="LZ4")
+vti("appended_lzma.vti", compressor="LZMA")
+vti("big.vti", big_endian=True, compressor="ZLib")
 vti("cell.vti", is_cell=True)
 vti("extent.vti", low=(3, -2, 7))
 vti("extent_cell.vti", low=(3, -2, 7), is_cell=True)

@@ -2,6 +2,8 @@
 // ImageData of VTK in XML (.vti; docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html): values at the points
 // or in the cells of a grid with origin, spacing and directions.
 #include <fmt/format.h>
+#include <lz4.h>
+#include <lzma.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,11 +12,40 @@
 #include <map>
 #include <pugixml.hpp>
 
+#include "aureole/core/memory.h"
 #include "aureole/parameter/grid/grid_reader.h"
 
 namespace aureole::grid_reader {
 
 namespace {
+
+/// Decompresses a block to at most so many bytes.
+using Unpack = SharedBytes(const SharedBytes& block, std::uint64_t size);
+
+SharedBytes lz4_block(const SharedBytes& block, std::uint64_t size) {
+  // A byte of a block stands for 255 at most, so that a small file claims little memory.
+  if (size > 255 * std::uint64_t(block.size()) || size > LZ4_MAX_INPUT_SIZE)
+    throw Error("has a compressed block that is too short for its size");
+  std::vector<std::byte> out{std::size_t(size)};
+  const int found = LZ4_decompress_safe(reinterpret_cast<const char*>(block.bytes.data()),
+                                        reinterpret_cast<char*>(out.data()), int(block.size()), int(size));
+  if (found < 0) throw Error("holds damaged data compressed by LZ4");
+  out.resize(std::size_t(found));
+  return shared(std::move(out));
+}
+
+SharedBytes lzma_block(const SharedBytes& block, std::uint64_t size) {
+  require_content(double(size), double(block.size()), 1100);
+  std::vector<std::byte> out{std::size_t(size)};
+  std::uint64_t memory = std::uint64_t(256) << 20;  // what its dictionary may take
+  std::size_t read = 0, written = 0;
+  const lzma_ret status = lzma_stream_buffer_decode(
+      &memory, 0, nullptr, reinterpret_cast<const std::uint8_t*>(block.bytes.data()), &read, block.size(),
+      reinterpret_cast<std::uint8_t*>(out.data()), &written, out.size());
+  if (status != LZMA_OK) throw Error("holds damaged data compressed by LZMA");
+  out.resize(written);
+  return shared(std::move(out));
+}
 
 class Vti {
 public:
@@ -40,10 +71,18 @@ public:
       throw at(root, "has the header_type \"" + header.substr(0, 40) + "\"; UInt32 and UInt64 are known");
     header_bytes_ = header == "UInt64" ? 8 : 4;
     const std::string compressor = root.attribute("compressor").value();
-    is_packed_ = !compressor.empty();
-    if (is_packed_ && compressor != "vtkZLibDataCompressor")
-      throw at(root, "is compressed by \"" + compressor.substr(0, 40) +
-                         "\"; vtkZLibDataCompressor is supported (SetCompressorTypeToZLib of VTK's writer)");
+    if (!compressor.empty()) {
+      static const std::map<std::string, Unpack*, std::less<>> kCompressors = {
+          {"vtkZLibDataCompressor", inflate_bytes},
+          {"vtkLZ4DataCompressor", lz4_block},
+          {"vtkLZMADataCompressor", lzma_block}};
+      const auto found = kCompressors.find(compressor);
+      if (found == kCompressors.end())
+        throw at(root,
+                 "is compressed by \"" + compressor.substr(0, 40) +
+                     "\"; vtkZLibDataCompressor, vtkLZ4DataCompressor and vtkLZMADataCompressor are known");
+      unpack_ = found->second;
+    }
     const pugi::xml_node image = root.child("ImageData"), piece = image.child("Piece");
     if (!piece) throw at(image ? image : root, "has no Piece with values");
     if (piece.next_sibling("Piece")) throw at(image, "has several pieces; one is supported");
@@ -212,7 +251,7 @@ private:
                        ScalarType type) const {
     const std::uint64_t needed = count * bytes_of(type);
     const std::string_view text(reinterpret_cast<const char*>(source.bytes.data()), source.size());
-    if (!is_packed_) {
+    if (!unpack_) {
       SharedBytes all = source;
       if (is_base64) {
         if (needed > source.size()) throw_truncated(needed, source.size() / 4 * 3);
@@ -268,7 +307,7 @@ private:
         throw Error(
             fmt::format("has more numbers in its compressed blocks than the {} bytes of its extent", needed));
       const std::size_t here = std::size_t(number(3 + i));
-      const SharedBytes block = inflate_bytes({data.bytes.subspan(begin, here), data.owner}, size);
+      const SharedBytes block = unpack_({data.bytes.subspan(begin, here), data.owner}, size);
       if (block.size() < size) throw_truncated(size, block.size());
       out.insert(out.end(), block.bytes.begin(), block.bytes.end());
       begin += here;
@@ -313,7 +352,8 @@ private:
   const ScalarGridOptions& options_;
   pugi::xml_document document_;
   SharedBytes appended_;
-  bool has_appended_ = false, is_appended_base64_ = false, is_swapped_ = false, is_packed_ = false;
+  bool has_appended_ = false, is_appended_base64_ = false, is_swapped_ = false;
+  Unpack* unpack_ = nullptr;  ///< null: the numbers are not compressed
   std::size_t header_bytes_ = 4;
 };
 
