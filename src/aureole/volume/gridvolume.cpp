@@ -130,9 +130,9 @@ private:
       for_each(grid, [&](float v) { clamp(v); });
       if (clamp.any()) p.note(parameter, clamp.note());
     }
-    auto fetch = [&, clamp](int x, int y, int z, int c) mutable {
+    const auto fetch = [&](int x, int y, int z, int c) {
       const float v = grid.value(x, y, z, c);
-      return is_denoised ? clamp(v) : v;
+      return is_denoised && v < 0 ? NoiseClamp(clamp)(v) : v;
     };
     if (colors && range[0] < 0) check_colors(p, grid, fetch, parameter);
     try {
@@ -154,7 +154,8 @@ private:
           for (int c = 0; c < grid.channels; ++c) visit(grid.value(x, y, z, c));
   }
   template <class Fetch>
-  static void check_colors(const Properties& p, const ScalarGrid& grid, Fetch& fetch, const char* parameter) {
+  static void check_colors(const Properties& p, const ScalarGrid& grid, const Fetch& fetch,
+                           const char* parameter) {
     for (int z = 0; z < grid.size[2]; ++z)
       for (int y = 0; y < grid.size[1]; ++y)
         for (int x = 0; x < grid.size[0]; ++x)
@@ -169,7 +170,7 @@ private:
   }
   /// Whether all colours are grey, so that they need no spectrum.
   template <class Fetch>
-  static bool is_grey(const ScalarGrid& grid, Fetch& fetch) {
+  static bool is_grey(const ScalarGrid& grid, const Fetch& fetch) {
     for (int z = 0; z < grid.size[2]; ++z)
       for (int y = 0; y < grid.size[1]; ++y)
         for (int x = 0; x < grid.size[0]; ++x) {
@@ -180,7 +181,7 @@ private:
   }
 
   template <class Fetch>
-  void set_numbers(const ScalarGrid& grid, Fetch& fetch, int count) {
+  void set_numbers(const ScalarGrid& grid, const Fetch& fetch, int count) {
     std::vector<Numbers> numbers;
     for (int c = 0; c < count; ++c)
       numbers.emplace_back(
@@ -189,7 +190,7 @@ private:
     set(std::move(numbers));
   }
   template <class Fetch>
-  void set_colors(const ScalarGrid& grid, Fetch& fetch) {
+  void set_colors(const ScalarGrid& grid, const Fetch& fetch) {
     const auto color = [&](int x, int y, int z) {
       return UpsampledColor::of_rgb_or_black(fetch(x, y, z, 0), fetch(x, y, z, 1), fetch(x, y, z, 2));
     };

@@ -110,8 +110,17 @@ std::size_t bytes_of(ScalarType type) { return kTypes[std::size_t(type)].bytes; 
 const char* name_of(ScalarType type) { return kTypes[std::size_t(type)].name; }
 
 float ScalarGrid::value(int x, int y, int z, int channel) const {
-  float v;
-  read_row(x, y, z, channel, {&v, 1});
+  if (is_swapped || slope != 1 || intercept != 0 || type == ScalarType::float16) {
+    float v;
+    read_row(x, y, z, channel, {&v, 1});
+    return v;
+  }
+  const std::int64_t number = x * strides[0] + y * strides[1] + z * strides[2] + channel * strides[3];
+  float v = 0;
+  grid_reader::with_type(type, [&](auto example) {
+    using T = decltype(example);
+    v = float(loaded<T>(numbers.bytes.data() + number * std::int64_t(sizeof(T)), false));
+  });
   return v;
 }
 
