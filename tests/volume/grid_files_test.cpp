@@ -8,6 +8,8 @@
 
 #include "aureole/loading/load.h"
 #include "aureole/parameter/grid/scalar_grid.h"
+#include "aureole/plugin/array.h"
+#include "aureole/plugin/registry.h"
 #include "harness/paths.h"
 #include "volume/volume_test_support.h"
 
@@ -180,6 +182,27 @@ TEST(GridFiles, UnitsAndSpacesMayBeStatedInstead) {
   EXPECT_NEAR(cube->eval_scalar({.1f, .125f, 1.f / 6}), -100, 1e-3);
   const VolumePtr array = build_grid(heads() / "int16.npy");
   EXPECT_NEAR(array->eval_scalar({.1f, .125f, 1.f / 6}), -100, 1e-3);
+}
+
+TEST(GridFiles, ArraysOfAProgramHaveASpacing) {
+  Diagnostics diagnostics;
+  const PluginInfo* plugin = Registry::instance().find("volume", "gridvolume");
+  const auto volume_of = [&](const char* placement) {
+    Properties p("gridvolume", "", {}, millimetres(&diagnostics), plugin);
+    p.add("data",
+          ObjectPtr(std::make_shared<Array>(std::vector<std::size_t>{1, 2, 3},
+                                            std::vector<double>{0, 1, 2, 3, 4, 5})),
+          {});
+    p.add("spacing", Vec3{2, 4, 8}, {"a.xml", 2, 1});
+    p.add("origin", Vec3{10, 20, 30}, {"a.xml", 3, 1});
+    p.add("placement", std::string(placement), {});
+    return std::dynamic_pointer_cast<const Volume>(plugin->create(p));
+  };
+  EXPECT_EQ(volume_of("file")->eval_scalar({12, 24, 30}), 4);
+  EXPECT_TRUE(diagnostics.notes().empty());
+  // In the unit cube they have no effect, which is noted.
+  EXPECT_EQ(volume_of("unit_cube")->eval_scalar({.5f, .75f, .5f}), 4);
+  EXPECT_EQ(diagnostics.notes().size(), 2u);
 }
 
 TEST(GridFiles, RawNumbersBelowZeroByRoundingStay) {

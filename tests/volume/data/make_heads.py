@@ -25,7 +25,7 @@ heads.mkdir()
 size = (5, 4, 3)
 i, j, k = np.meshgrid(*map(np.arange, size), indexing="ij")
 signed = 7 * i + 40 * j + 111 * k - 100  # [i, j, k]
-TYPES = "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64".split()
+TYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
 corners = [(0, 0, 0), (4, 0, 0), (0, 3, 0), (0, 0, 2), (4, 3, 2), (2, 1, 1)]
 lines = []
 
@@ -214,7 +214,7 @@ frames = np.stack([short, short + 1000], -1)
 data, header = nrrd.read(str(heads / "frames.nrrd"))
 for frame in (0, 1):
     record("frames.nrrd", "pynrrd", lambda at: np.diag([-1.0, -1, 1]) @ (header["space origin"] + np.array(at) @ header["space directions"][:3]),
-           lambda at, c: data[at][frame], f"frame={frame}")
+           lambda at, c, frame=frame: data[at][frame], f"frame={frame}")
 sitk.WriteImage(vector, str(heads / "vector.nrrd"))
 judge_itk("vector.nrrd", "raw=true")
 # No space: spacings and the positions of the first samples, with both centerings.
@@ -223,14 +223,15 @@ for name, extra in (("spacings", "spacings: 0.9 1.1 2.5\n"), ("mins_cell", "spac
                     ("mins_node", "spacings: 0.9 1.1 2.5\naxis mins: 1 2 3\ncenters: node node node\n")):
     (heads / f"{name}.nrrd").write_bytes((plain + extra + "\n").encode() + fortran(short))
     image = sitk.ReadImage(str(heads / f"{name}.nrrd"))  # without a space ITK's coordinates are the file's
-    record(f"{name}.nrrd", "SimpleITK", lambda at: image.TransformIndexToPhysicalPoint(at), lambda at, c: image.GetPixel(*at))
+    record(f"{name}.nrrd", "SimpleITK", lambda at, image=image: image.TransformIndexToPhysicalPoint(at),
+           lambda at, c, image=image: image.GetPixel(*at))
 # ITK takes 1 for a spacing that follows from the ends of the axes. The definition of the format: from the first node to the last, or from
 # the outer face of the first cell to that of the last.
 low, high = np.array([1, 2, 3]), np.array([6, 10, 6])
 for name, first, step in (("cell", 0.5, (high - low) / size), ("node", 0, (high - low) / (np.array(size) - 1))):
     (heads / f"range_{name}.nrrd").write_bytes((plain + f"axismins: 1 2 3\naxismaxs: 6 10 6\ncenterings: {name} {name} {name}\n\n").encode()
                                                + fortran(short))
-    record(f"range_{name}.nrrd", "numpy", lambda at: low + step * (np.array(at) + first), lambda at, c: short[at])
+    record(f"range_{name}.nrrd", "numpy", lambda at, step=step, first=first: low + step * (np.array(at) + first), lambda at, c: short[at])
 
 # NIfTI.
 for t in TYPES:
