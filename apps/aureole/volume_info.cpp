@@ -24,7 +24,7 @@ std::string unit_name(double unit_m) {
 
 void print_volume(const std::filesystem::path& file) {
   const ScalarGrid grid = read_scalar_grid(file);
-  for (const std::string& note : grid.notes) tell("note: {}: {}\n", file.string(), note);
+  for (const std::string& note : grid.notes) tell("note: {} {}\n", file.string(), note);
   fmt::print("volume       {} ({})\n", file.string(), grid.format);
   fmt::print("size         {} x {} x {} voxels, {} number{} each{}\n", grid.size[0], grid.size[1],
              grid.size[2], grid.channels, grid.channels == 1 ? "" : "s",

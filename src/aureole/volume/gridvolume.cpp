@@ -42,7 +42,7 @@ ScalarGrid grid_of_array(const Properties& p, const Array& array, const ScalarGr
   grid.format = "array";
   if (options.spacing || options.origin) grid_reader::place_by_options(grid, options);
   for (const char* name : {"frame", "series", "array"})
-    if (p.has(name)) p.note(name, "has no effect on an array of a program");
+    if (p.has(name)) p.note(name, std::string(name) + " has no effect on an array of a program");
   return grid;
 }
 
@@ -57,7 +57,7 @@ ScalarGrid read_grid(const Properties& p) {
     ScalarGrid grid = given ? grid_of_array(p, *given, options) : read_scalar_grid(file, options);
     for (const auto& further : grid.further_files)
       if (p.context().scene) p.context().scene->add_file(further);
-    for (const std::string& note : grid.notes) p.note(parameter, note);
+    for (const std::string& note : grid.notes) p.note(parameter, "\"" + file.string() + "\" " + note);
     try {
       grid.check_finite();
     } catch (const Error& problem) {
@@ -83,7 +83,8 @@ Transform box_of(const Properties& p, const ScalarGrid& grid) {
   }
   if (placement == "unit_cube") {
     for (const char* name : {"file_unit", "file_space", "spacing", "origin"})
-      if (p.has(name)) p.note(name, "has no effect where the grid fills the unit cube (placement)");
+      if (p.has(name))
+        p.note(name, std::string(name) + " has no effect where the grid fills the unit cube (placement)");
     return to_local;
   }
   if (is_stated && !grid.spacing_is_stated && !p.has("spacing"))

@@ -298,7 +298,7 @@ private:
       if (key == "CenterOfRotation" && numbers_are_zero(field.value)) continue;
       unused += (unused.empty() ? "" : ", ") + key.substr(0, 40);
     }
-    if (!unused.empty()) grid.notes.push_back("keys of the file that are not used: " + unused.substr(0, 400));
+    if (!unused.empty()) grid.notes.push_back("has keys that are not used: " + unused.substr(0, 400));
   }
   static bool numbers_are_zero(const std::string& text) {
     for (const std::string& word : words_of(text))

@@ -144,7 +144,7 @@ public:
     set_place(grid);
     for (const char* name : {"old min", "old max", "measurement frame"})
       if (header_.fields.contains(name))
-        grid.notes.push_back(fmt::format("the field \"{}\" of the file is not used", name));
+        grid.notes.push_back(fmt::format("has the field \"{}\", which is not used", name));
     return grid;
   }
 
