@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole info: lists the content of a scene, a picture or a state file.
+// aureole info: lists the content of a scene, a picture, a volume or a state file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include "aureole/core/image.h"
 #include "aureole/core/input_file.h"
 #include "aureole/loading/load.h"
+#include "aureole/parameter/grid/scalar_grid.h"
 #include "aureole/plugin/table_holder.h"
 #include "aureole/render/state.h"
 #include "command.h"
@@ -102,29 +103,32 @@ int info_of_scene(const std::string& file, const std::vector<std::string>& defin
 }
 
 int info(const std::string& file, const std::vector<std::string>& defines) {
-  if (is_xml(file)) return info_of_scene(file, defines);
+  const bool is_volume = is_scalar_grid_file(file);  // .vti is XML, too
+  if (!is_volume && is_xml(file)) return info_of_scene(file, defines);
   if (!defines.empty()) throw Error("-D sets names of scenes: " + file + " is not a scene file");
-  if (std::filesystem::path(file).extension() == ".state")
+  if (is_volume)
+    print_volume(file);
+  else if (std::filesystem::path(file).extension() == ".state")
     print_state(file);
   else if (is_image_file(file))
     print_picture(file);
   else
     throw Error(
         {file, 0, 0},
-        "is neither a scene file (XML) nor a picture (EXR, PNG, JPEG, TIFF, PFM, HDR, TGA, BMP) nor a .state "
-        "file");
+        "is neither a scene file (XML) nor a picture (EXR, PNG, JPEG, TIFF, PFM, HDR, TGA, BMP) nor a volume "
+        "(NRRD, MetaImage, NIfTI, .vti, .npy, .vol) nor a .state file");
   return 0;
 }
 
 std::function<int()> declare(CommandOptions& options) {
   auto file = std::make_shared<std::string>();
   auto defines = std::make_shared<std::vector<std::string>>();
-  options.add("file", *file, "scene, picture or .state file").required();
+  options.add("file", *file, "scene, picture, volume or .state file").required();
   options.add("-D,--define", *defines, "set a $name of the scene").takes_each_time(1);
   return [=] { return info(*file, *defines); };
 }
 
-AUREOLE_COMMAND("info", "List the content of a scene, a picture or a state file", declare);
+AUREOLE_COMMAND("info", "List the content of a scene, a picture, a volume or a state file", declare);
 
 }  // namespace
 }  // namespace aureole

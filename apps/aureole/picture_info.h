@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Descriptions of pictures and state files, for `aureole info`.
+// Descriptions of pictures, volumes and state files, for `aureole info`.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,10 @@ namespace aureole {
 
 /// Prints size, format, origin, noise, colours and channels of a picture. Throws Error if it cannot be read.
 void print_picture(const std::filesystem::path& file);
+
+/// Prints size, type, spacing, position in space and range of values of a volume. Throws Error if it cannot be
+/// read. Implemented in volume_info.cpp.
+void print_volume(const std::filesystem::path& file);
 
 /// Prints the picture that a state file belongs to, and how much of it is done. Throws Error if it cannot be read.
 void print_state(const std::filesystem::path& file);

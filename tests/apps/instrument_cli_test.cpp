@@ -252,6 +252,14 @@ TEST_F(InstrumentCli, InfoOfOtherFiles) {
   ASSERT_EQ(run({"info", "grey.pfm"}), 0) << output;
   says("PFM, 32-bit float");
   says("1 x 1 pixels, 1 channel\n");
+  ASSERT_EQ(run({"info", (test::source_dir() / "tests/volume/data/heads/slope.nii").string()}), 0) << output;
+  says("(NIfTI-1)");
+  says("5 x 4 x 3 voxels, 1 number each\n");
+  says("int16, times 0.5 plus 7.25");
+  says("0.9 x 1.1 x 2.5 mm\n");
+  says("(-31.5, 12.25, 77) mm, centre of the first voxel, in RAS coordinates (the file's are RAS)");
+  says("x along (0.906308, 0.422618, 0.000000)");
+  says("7.25 to 192.25");
   // Neither, with and without the extension of a picture.
   folder.write("notes.txt", "no picture");
   refused({"info", "notes.txt"}, "notes.txt: is neither a scene file (XML) nor a picture");

@@ -18,6 +18,7 @@
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/loading/load.h"
 #include "aureole/loading/values.h"
+#include "aureole/parameter/grid/scalar_grid.h"
 #include "aureole/parameter/palette_file.h"
 #include "aureole/parameter/voxel_data.h"
 #include "aureole/plugin/registry.h"
@@ -88,6 +89,7 @@ TEST(InputFile, EveryReaderRefusesWhatIsNoRegularFile) {
   const std::vector<std::pair<std::string, std::function<void(const fs::path&)>>> readers{
       {"image", [](const fs::path& p) { read_image(p); }},
       {"grid", [](const fs::path& p) { read_vol(p); }},
+      {"volume", [](const fs::path& p) { read_scalar_grid(p); }},
       {"vdb", [&](const fs::path& p) { read_vdb_file(p, {}, unknown); }},
       {"spectrum", [](const fs::path& p) { read_spectrum_file(p); }},
       {"palette", [](const fs::path& p) { read_palette_file(p.string()); }},

@@ -79,6 +79,8 @@ Corpus::Corpus(const fs::path& source) {
     data_.emplace_back(name, std::make_shared<std::string>(bytes));
   const fs::path folders[] = {source / "tests/references/scenes", source / "scenes"};
   for (const fs::path& folder : folders) add_data_files(folder);
+  const fs::path heads = source / "tests/volume/data/heads";
+  add_data_files(heads);
 
   group_begin_.push_back(0);
   for (const fs::path& folder : folders)
@@ -88,6 +90,8 @@ Corpus::Corpus(const fs::path& source) {
   add_examples();
   group_begin_.push_back(scenes_.size());
   add_image_scenes();
+  group_begin_.push_back(scenes_.size());
+  add_volume_scenes(heads);
   group_begin_.push_back(scenes_.size());
   find_tables();
 }
@@ -186,6 +190,28 @@ void Corpus::add_image_scenes() {
     BaseScene scene{"image " + name, {}};
     scene.files[name] = bytes;
     scene.files[kMainFile] = std::make_shared<std::string>(wrap_image(name));
+    scenes_.push_back(std::move(scene));
+  }
+}
+
+void Corpus::add_volume_scenes(const fs::path& folder) {
+  for (const fs::path& file : files_below(folder)) {
+    const std::string name = file.filename().string();
+    const auto begins = [&](const char* start) { return name.starts_with(start); };
+    // Numbers of other files, and volumes below 0, which are no media.
+    if (name.ends_with("raw") || name.ends_with(".img") || begins("int") || begins("float")) continue;
+    BaseScene scene{"volume " + name, {}};
+    scene.files[name] = std::make_shared<std::string>(read_whole(file));
+    for (const fs::path& other : files_below(folder)) {
+      const std::string also = other.filename().string();
+      const bool is_slice = also.starts_with("slice") || also.starts_with("series") || also == "skip.raw";
+      const bool is_beside =
+          also != name && other.stem() == file.stem() && (also.ends_with("raw") || also.ends_with(".img"));
+      if (is_beside || (is_slice && scene.files.at(name)->find(also.substr(0, 5)) != std::string::npos) ||
+          (is_slice && begins("series") && also.starts_with("series")))
+        scene.files[also] = std::make_shared<std::string>(read_whole(other));
+    }
+    scene.files[kMainFile] = std::make_shared<std::string>(wrap_volume(name));
     scenes_.push_back(std::move(scene));
   }
 }

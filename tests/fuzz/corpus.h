@@ -34,7 +34,7 @@ public:
   /// `source` is the root of the repository.
   explicit Corpus(const std::filesystem::path& source);
 
-  /// A scene; those of the repository, those of examples and those of images are equally likely, and one with
+  /// A scene; those of the repository, of examples, of images and of volumes are equally likely, and one with
   /// tables comes a tenth as often as another.
   const BaseScene& pick_scene(Random& random) const;
   const std::vector<BaseScene>& scenes() const { return scenes_; }
@@ -52,12 +52,13 @@ private:
   void add_scene(const std::filesystem::path& file, const std::filesystem::path& root);
   void add_examples();
   void add_image_scenes();
+  void add_volume_scenes(const std::filesystem::path& folder);
   void find_tables();
   /// The text with numbers made small and file names made names of files in one folder, which are added.
   std::string prepare(const std::string& text, const std::filesystem::path& folder, Files& files) const;
 
   std::vector<BaseScene> scenes_;
-  std::vector<std::size_t> group_begin_;  ///< of repository scenes, examples, images; then the end
+  std::vector<std::size_t> group_begin_;  ///< of repository scenes, examples, images, volumes; then the end
   std::vector<std::pair<std::string, Bytes>> data_;
   std::map<std::string, std::vector<std::string>> examples_;
 };

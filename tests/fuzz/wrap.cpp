@@ -136,4 +136,13 @@ std::string wrap_image(const std::string& file) {
                     R"(<boolean name="raw" value="false"/></texture></emitter>)"));
 }
 
+std::string wrap_volume(const std::string& file) {
+  const std::string parameters = file.starts_with("named")    ? R"(<string name="array" value="two"/>)"
+                                 : file.starts_with("series") ? R"(<boolean name="series" value="true"/>)"
+                                                              : "";
+  return usual(kLight + ball(R"(<bsdf type="null"/><medium type="heterogeneous" name="interior">
+<volume type="gridvolume" name="sigma_t"><string name="filename" value=")" +
+                             file + "\"/>" + parameters + "</volume></medium>"));
+}
+
 }  // namespace aureole::fuzz

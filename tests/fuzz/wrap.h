@@ -24,4 +24,7 @@ const PluginInfo* plugin_of(pugi::xml_node node);
 /// A scene with the picture as a texture and as an environment.
 std::string wrap_image(const std::string& file);
 
+/// A scene with the volume as the extinction of a medium.
+std::string wrap_volume(const std::string& file);
+
 }  // namespace aureole::fuzz

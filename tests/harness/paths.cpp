@@ -16,10 +16,12 @@ const std::filesystem::path& aureole_binary() {
 std::filesystem::path example_file(const std::string& name) {
   const std::filesystem::path wanted = name;
   std::filesystem::path found;
-  for (const auto& e :
-       std::filesystem::recursive_directory_iterator(source_dir() / "tests/references/scenes")) {
-    if (e.path().filename() == wanted.filename()) return e.path();
-    if (e.path().extension() == wanted.extension()) found = e.path();
+  for (const char* folder : {"tests/references/scenes", "tests/volume/data/heads"}) {
+    if (!found.empty()) break;
+    for (const auto& e : std::filesystem::recursive_directory_iterator(source_dir() / folder)) {
+      if (e.path().filename() == wanted.filename()) return e.path();
+      if (e.path().extension() == wanted.extension()) found = e.path();
+    }
   }
   return found.empty() ? wanted : found;
 }

@@ -12,7 +12,8 @@ const std::filesystem::path& source_dir();
 const std::filesystem::path& aureole_binary();
 
 /// The file that a file name in an example of the documentation stands for: the one of the reference scenes
-/// that has this name, or else any with the same extension.
+/// that has this name, or else any with the same extension; where there is none, one of the volumes in
+/// tests/volume/data/heads.
 std::filesystem::path example_file(const std::string& name);
 
 }  // namespace aureole::test

@@ -2,6 +2,7 @@
 #include "aureole/core/input_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "aureole/core/error.h"
+#include "aureole/core/mapped_file.h"
 #include "aureole/core/memory.h"
 
 namespace aureole {
@@ -105,6 +107,29 @@ void InputFile::require_at_most(std::uint64_t max_bytes) const {
     throw Error({file_.string(), 0, 0}, has + "limit of " + std::to_string(max_bytes) + " for such a file");
   if (double(size_) > available_memory_bytes())
     throw Error({file_.string(), 0, 0}, has + "memory that is available");
+}
+
+MappedFile::MappedFile(const std::filesystem::path& file) {
+  std::uint64_t size = 0;
+  const auto [descriptor, fault] = open_regular(file, size);
+  if (descriptor < 0) throw Error({file.string(), 0, 0}, fault);
+  void* const data = size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : nullptr;
+  const int error = errno;
+  ::close(descriptor);
+  if (data == MAP_FAILED)
+    throw Error({file.string(), 0, 0}, std::string("cannot be mapped into memory: ") + std::strerror(error));
+  data_ = static_cast<const std::byte*>(data);
+  size_ = std::size_t(size);
+}
+
+MappedFile::~MappedFile() {
+  if (data_) ::munmap(const_cast<std::byte*>(data_), size_);
+}
+
+SharedBytes map_file(const std::filesystem::path& file) {
+  auto mapped = std::make_shared<const MappedFile>(file);
+  const std::span<const std::byte> bytes = mapped->bytes();
+  return {bytes, std::move(mapped)};
 }
 
 std::string read_text_file(const std::filesystem::path& file, std::uint64_t max_bytes) {

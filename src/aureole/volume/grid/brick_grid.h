@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "aureole/core/error.h"
+#include "aureole/core/parallel.h"
+#include "aureole/core/unfilled.h"
 
 namespace aureole {
 
@@ -29,7 +31,8 @@ public:
 
   /// `fetch(x, y, z)` returns the value of a voxel inside the grid. `uniform(lower, upper)` returns the value
   /// of all voxels in [lower, upper] if they are known to be equal, else nothing. Beyond its borders the grid
-  /// is repeated, or its border values continue. Throws Error if the bricks exceed an index of 32 bits.
+  /// is repeated, or its border values continue. Both are called by several threads, `fetch` up to three times for a
+  /// voxel of a brick. Throws Error if the bricks exceed an index of 32 bits.
   template <class Fetch, class Uniform>
   BrickGrid(const std::array<int, 3>& size, bool repeat, const Fetch& fetch, const Uniform& uniform)
       : size_(size), repeat_(repeat) {
@@ -43,13 +46,38 @@ public:
     }
     stride_y_ = extent_[0], stride_z_ = extent_[0] * extent_[1];
     brick_size_ = std::size_t(stride_z_) * std::size_t(extent_[2]);
+    const auto brick_at = [&](std::size_t b) {
+      const std::size_t nx = std::size_t(bricks_[0]), ny = std::size_t(bricks_[1]);
+      return std::array{int(b % nx), int(b / nx % ny), int(b / nx / ny)};
+    };
+    // All cores look for bricks of one value, one numbers the bricks, and all write them.
+    std::vector<std::uint8_t> has_one_value(count);
+    constexpr std::size_t kAtOnce = 64;
+    for_ranges(
+        count,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t b = begin; b < end; ++b)
+            has_one_value[b] = is_constant(brick_at(b), fetch, uniform);
+        },
+        kAtOnce);
     index_.reserve(count);
-    std::vector<T> brick(brick_size_);
-    std::array<int, 3> at;
-    for (at[2] = 0; at[2] < bricks_[2]; ++at[2])
-      for (at[1] = 0; at[1] < bricks_[1]; ++at[1])
-        for (at[0] = 0; at[0] < bricks_[0]; ++at[0]) add_brick(at, fetch, uniform, brick);
-    values_.shrink_to_fit();
+    std::vector<std::uint32_t> brick_of;  // of each stored brick
+    for (std::size_t b = 0; b < count; ++b) add_brick(b, brick_at(b), has_one_value[b], fetch, brick_of);
+    values_.resize(brick_of.size() * brick_size_);
+    for_ranges(
+        brick_of.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            T* const out = values_.data() + i * brick_size_;
+            const std::array<int, 3> at = brick_at(brick_of[i]);
+            if (is_uniform_[i])
+              std::fill(out, out + brick_size_, first_value(at, fetch));
+            else
+              write_brick(at, fetch, out);
+          }
+        },
+        kAtOnce);
+    known_ = {};
   }
 
   bool empty() const { return index_.empty(); }
@@ -112,9 +140,30 @@ private:
   static constexpr std::size_t kMaxBricks = 150000000;  // 600 MB of indices
   static constexpr std::size_t kMaxUniform = 64;
 
+  /// Calls f(value) for the values of a brick, x fastest, until it returns false.
+  template <class Fetch, class F>
+  void each_value(const std::array<int, 3>& at, const Fetch& fetch, const F& f) const {
+    for (int z = 0; z < extent_[2]; ++z)
+      for (int y = 0; y < extent_[1]; ++y)
+        for (int x = 0; x < extent_[0]; ++x)
+          if (!f(fetch(wrapped(at[0] * kEdge - 1 + x, 0), wrapped(at[1] * kEdge - 1 + y, 1),
+                       wrapped(at[2] * kEdge - 1 + z, 2))))
+            return;
+  }
+  template <class Fetch>
+  T first_value(const std::array<int, 3>& at, const Fetch& fetch) const {
+    return fetch(wrapped(at[0] * kEdge - 1, 0), wrapped(at[1] * kEdge - 1, 1), wrapped(at[2] * kEdge - 1, 2));
+  }
+  template <class Fetch>
+  void write_brick(const std::array<int, 3>& at, const Fetch& fetch, T* out) const {
+    each_value(at, fetch, [&](const T& v) {
+      *out++ = v;
+      return true;
+    });
+  }
+
   template <class Fetch, class Uniform>
-  void add_brick(const std::array<int, 3>& at, const Fetch& fetch, const Uniform& uniform,
-                 std::vector<T>& brick) {
+  bool is_constant(const std::array<int, 3>& at, const Fetch& fetch, const Uniform& uniform) const {
     std::array<int, 3> from, to;  // range without wrapping
     bool inside = true;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -122,32 +171,35 @@ private:
       inside &= from[i] >= 0 && to[i] < size_[i];
       if (!repeat_) from[i] = std::max(from[i], 0), to[i] = std::min(to[i], size_[i] - 1);
     }
-    std::optional<T> one;
-    if (inside || !repeat_) one = uniform(from, to);
-    if (!one) {
-      T* out = brick.data();
-      for (int z = 0; z < extent_[2]; ++z)
-        for (int y = 0; y < extent_[1]; ++y)
-          for (int x = 0; x < extent_[0]; ++x)
-            *out++ = fetch(wrapped(at[0] * kEdge - 1 + x, 0), wrapped(at[1] * kEdge - 1 + y, 1),
-                           wrapped(at[2] * kEdge - 1 + z, 2));
-      if (std::all_of(brick.begin(), brick.end(), [&](const T& v) { return v == brick[0]; })) one = brick[0];
-    }
-    if (one) {
+    if ((inside || !repeat_) && uniform(from, to)) return true;
+    std::optional<T> first;
+    bool is_same = true;
+    each_value(at, fetch, [&](const T& v) {
+      if (!first) first = v;
+      return is_same = v == *first;
+    });
+    return is_same;
+  }
+
+  /// Gives brick number `b` the index of a stored brick, of which a new one is made unless one with this value exists.
+  template <class Fetch>
+  void add_brick(std::size_t b, const std::array<int, 3>& at, bool has_one_value, const Fetch& fetch,
+                 std::vector<std::uint32_t>& brick_of) {
+    if (has_one_value) {
+      const T one = first_value(at, fetch);
       const auto known =
-          std::find_if(known_.begin(), known_.end(), [&](const auto& k) { return k.first == *one; });
+          std::find_if(known_.begin(), known_.end(), [&](const auto& k) { return k.first == one; });
       if (known != known_.end()) {
         index_.push_back(known->second);
         std::swap(*known, known_.front());  // its neighbours probably have this value, too
         return;
       }
-      std::fill(brick.begin(), brick.end(), *one);
       if (known_.size() < kMaxUniform)
-        known_.insert(known_.begin(), {*one, std::uint32_t(is_uniform_.size())});
+        known_.insert(known_.begin(), {one, std::uint32_t(is_uniform_.size())});
     }
     index_.push_back(std::uint32_t(is_uniform_.size()));
-    is_uniform_.push_back(one.has_value());
-    values_.insert(values_.end(), brick.begin(), brick.end());
+    is_uniform_.push_back(has_one_value);
+    brick_of.push_back(std::uint32_t(b));
   }
 
   /// Returns the voxel inside the grid that replaces a voxel at or beyond its border.
@@ -167,7 +219,7 @@ private:
   int stride_y_ = 0, stride_z_ = 0;
   std::size_t brick_size_ = 0;
   std::vector<std::uint32_t> index_;                ///< index of each brick's values
-  std::vector<T> values_;                           ///< values of all stored bricks
+  UnfilledVector<T> values_;                        ///< values of all stored bricks
   std::vector<bool> is_uniform_;                    ///< whether a stored brick has one value
   std::vector<std::pair<T, std::uint32_t>> known_;  ///< stored bricks with one value
 };

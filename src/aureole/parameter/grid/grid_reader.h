@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// One function per format of grids, and what they share. They throw Error, without a location or located at a line of
+// the file; `read_scalar_grid` adds the file.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include "aureole/core/error.h"
+#include "aureole/parameter/grid/scalar_grid.h"
+
+namespace aureole::grid_reader {
+
+using Path = std::filesystem::path;
+
+ScalarGrid read_nrrd(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
+ScalarGrid read_meta_image(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
+/// `bytes` may be compressed by gzip.
+ScalarGrid read_nifti(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
+ScalarGrid read_vti(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
+ScalarGrid read_npy(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
+ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
+
+/// How numbers are stored.
+enum class Encoding { raw, text, hex, gzip, bzip2 };
+
+/// Calls f with a number of the C++ type of `type`; of `std::uint16_t` with `is_half` for float16.
+template <class F>
+void with_type(ScalarType type, const F& f) {
+  switch (type) {
+    case ScalarType::int8:
+      return f(std::int8_t());
+    case ScalarType::uint8:
+      return f(std::uint8_t());
+    case ScalarType::int16:
+      return f(std::int16_t());
+    case ScalarType::uint16:
+    case ScalarType::float16:
+      return f(std::uint16_t());
+    case ScalarType::int32:
+      return f(std::int32_t());
+    case ScalarType::uint32:
+      return f(std::uint32_t());
+    case ScalarType::int64:
+      return f(std::int64_t());
+    case ScalarType::uint64:
+      return f(std::uint64_t());
+    case ScalarType::float32:
+      return f(float());
+    case ScalarType::float64:
+      return f(double());
+  }
+}
+
+/// Returns the product of sizes. Throws Error if there is none, one is not in [1, 2^20], or the numbers need more
+/// than 2^62 bytes.
+std::uint64_t count_of(const std::vector<std::int64_t>& sizes, ScalarType type);
+
+/// Decodes `count` numbers of `source`. Bytes `byte_skip` are passed over, in compressed data after they are
+/// decompressed; in raw data -1 stands for all before the numbers, which end the source. Raw numbers are not
+/// copied. Throws Error if there are fewer.
+SharedBytes decode(const SharedBytes& source, Encoding encoding, std::int64_t byte_skip, std::uint64_t count,
+                   ScalarType type);
+/// Decompresses gzip or zlib to at most `wanted` bytes. Memory grows with what was found, not with what is wanted.
+SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted);
+/// Returns the bytes of base64 text up to its padding; blanks are passed over. Throws Error at another character.
+std::vector<std::byte> base64_bytes(std::string_view text);
+/// Makes bytes of a vector shared.
+SharedBytes shared(std::vector<std::byte> bytes);
+/// Joins pieces that together are the numbers of a grid: one piece is not copied.
+SharedBytes joined(std::vector<SharedBytes> pieces);
+
+/// Returns an Error at a line of the header. A problem of another file has its name in the message.
+Error at_line(const Error& problem, int line);
+
+/// Parses text as one number; NaN and infinity are allowed. Throws Error.
+double number_of(std::string_view text);
+std::int64_t integer_of(std::string_view text);
+/// Parses `count` blank-separated numbers. Throws Error also if there are more or fewer.
+std::vector<double> numbers_of(std::string_view text, std::size_t count);
+std::vector<std::int64_t> integers_of(std::string_view text);
+std::vector<std::string> words_of(std::string_view text);
+std::string_view trimmed(std::string_view text);
+std::string lowered(std::string_view text);
+
+/// Returns the metres of a unit's symbol or name ("mm", "millimeters", "micron"); nothing if it is unknown.
+std::optional<double> metres_of_unit(std::string_view name);
+
+/// Sets `grid.size`, channels, strides and the chosen frame from `grid.numbers`, which hold all frames. `axes` has
+/// the size of each axis, the fastest first, and what it is: 'x', 'y', 'z', 'c' (channel) or 't' (frame). Returns
+/// nothing; throws Error if the frame is not there.
+struct GridAxis {
+  std::int64_t size;
+  char role;
+};
+void arrange(ScalarGrid& grid, const std::vector<GridAxis>& axes, const ScalarGridOptions& options);
+
+/// Sets `index_to_ras` from the columns (the step of each index in the file's space) and the centre of the first
+/// voxel, both in a space whose coordinates increase to the directions `space` ("LPS"; empty: none known).
+void place(ScalarGrid& grid, const std::array<std::array<double, 3>, 3>& columns,
+           const std::array<double, 3>& origin, const std::string& space, const ScalarGridOptions& options);
+/// Places a grid of a file that states no distance of its voxels: by the options, or 1.
+void place_by_options(ScalarGrid& grid, const ScalarGridOptions& options);
+
+/// Returns the names of a printf-like pattern with one %d for first, first + step, ..., last.
+std::vector<std::string> names_of_pattern(const std::string& pattern, std::int64_t first, std::int64_t last,
+                                          std::int64_t step);
+/// Returns the files of a series: those in the folder of `file` whose names differ from its name in the last
+/// number only, in the order of that number. Throws Error if a number is missing between two others.
+std::vector<Path> files_of_series(const Path& file);
+
+/// The most files that one grid may have.
+inline constexpr std::size_t kMaxFiles = 1 << 16;
+
+}  // namespace aureole::grid_reader
