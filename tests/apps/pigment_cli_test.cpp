@@ -106,10 +106,69 @@ TEST_F(PigmentCli, TablesOfTheirOwn) {
   EXPECT_NEAR(json("fit.json")["pigments"][0]["s"][0], 1e5, 1e-3);
   ASSERT_EQ(run("hide white_paint.csv chalk --white 1 --json hide.json"), 0) << said;
   EXPECT_NEAR(json("hide.json")["hiding_thickness"], 49e-5, 1e-9);
+  // A litre with 49 % of solids covers 1 m^2 to 490 um; at 2 m^2/l S X is 24.5: R = SX/(1 + SX) over black.
+  ASSERT_EQ(run("hide white_paint.csv chalk --white 1 --solids 0.49 --spreading-rate 2 --json hide.json"), 0)
+      << said;
+  EXPECT_NEAR(json("hide.json")["spreading_rate"], 1, 1e-9);
+  EXPECT_NEAR(json("hide.json")["at_spreading_rate"]["contrast_ratio"], 24.5 / 25.5, 1e-9);
+  fails("hide white_paint.csv chalk --spreading-rate 2", "--spreading-rate: needs --solids");
+  fails("hide kimera white --solids 0.4", "--solids: a spreading rate needs K and S per metre");
   write("white.json", R"({"unit": "percent", "wavelengths_nm": [400, 700], "samples": [
     {"paints": "chalk", "values": [90, 90]}, {"paints": "red", "values": [30, 50]}, {"paints": {"red": 1, "chalk": 3}, "values": [50, 70]}]})");
   ASSERT_EQ(run("fit white.json --white chalk"), 0) << said;
   EXPECT_NE(said.find("2 paints, 3 measurements"), std::string::npos) << said;
+}
+
+/// A grey of twice the K/S: strength 200 %, no tint tone; equal curves differ in no formula.
+TEST_F(PigmentCli, ColourOfMeasuredSamples) {
+  // K/S = (1 - R)^2/(2R): 0.25 for R = 0.5, and 0.5 for R = 0.381966.
+  write(
+      "swatches.csv",
+      "sample,400,500,600,700\nmaster,0.5,0.5,0.5,0.5\nbatch,0.381966011,0.381966011,0.381966011,0.381966011\n"
+      "batch,0.381966012,0.381966012,0.381966012,0.381966012\nwhite,0.9,0.9,0.9,0.9\n");
+  ASSERT_EQ(
+      run("colour swatches.csv --standard swatches.csv#master --observer 10 --others A,D65/2 --cmc 1:1 --json c.json"),
+      0)
+      << said;
+  const auto all = json("c.json");
+  EXPECT_EQ(all["viewing"], "D65/10");
+  ASSERT_EQ(all["samples"].size(), 3u);
+  EXPECT_EQ(all["samples"][0]["difference"]["ciede2000"], 0.0);
+  const auto batch = all["samples"][1];
+  EXPECT_NEAR(batch["lab"][0], 116 * std::cbrt(0.381966) - 16, 1e-4);
+  EXPECT_NEAR(batch["difference"]["strength"]["maximum"], 2, 1e-6);
+  EXPECT_NEAR(batch["difference"]["strength"]["weighted"], 2, 1e-6);
+  EXPECT_NEAR(batch["difference"]["strength"]["tone_ciede2000"], 0, 1e-5);
+  EXPECT_NEAR(batch["difference"]["metamerism"]["D65/2"], 0, 1e-9);
+  EXPECT_NEAR(batch["difference"]["cie1976"], 116 * (std::cbrt(0.5) - std::cbrt(0.381966)), 1e-4);
+  EXPECT_NEAR(all["samples"][2]["whiteness"]["whiteness"], 90, 1e-6);
+  EXPECT_NE(said.find("CMC(1:1)"), std::string::npos) << said;
+
+  // A film over black and white: the luminous reflectance over black divided by that over white.
+  write("films.csv",
+        "sample,specimen,paints,backing,400,700\nblack,,,,0.05,0.05\nwhite,,,,0.8,0.8\n"
+        "a,1,ochre,black,0.3,0.3\nb,1,ochre,white,0.4,0.4\n");
+  ASSERT_EQ(run("colour films.csv --json c.json"), 0) << said;
+  EXPECT_NEAR(json("c.json")["samples"][2]["contrast_ratio"], 0.75, 1e-12);
+  EXPECT_FALSE(json("c.json")["samples"][0].contains("contrast_ratio"));
+  // Gloss of a surface of index 1.5 seen at 8 degrees: 4.0 %.
+  ASSERT_EQ(run("colour films.csv#a --geometry d8 --specular excluded --to-specular included --json c.json"),
+            0)
+      << said;
+  EXPECT_NEAR(json("c.json")["samples"][0]["xyz"][1], 34.0, 0.01);
+  write("lamp.txt", "# nm power\n380 1\n780 1\n");
+  ASSERT_EQ(run("colour films.csv#a --illuminant lamp.txt --observer 10 --json c.json"), 0) << said;
+  EXPECT_EQ(json("c.json")["viewing"], "lamp.txt/10");
+
+  fails("colour films.csv#c", "films.csv: no sample is called \"c\"");
+  fails("colour films.csv --standard films.csv", "--standard: expected a file and a sample in it");
+  fails("colour films.csv --to-specular included", "need the geometry of the measurements");
+  fails("colour films.csv --cmc 2", "--cmc: expected two positive numbers");
+  fails("colour films.csv --illuminant D6", "unknown illuminant \"D6\"");
+  fails("match kimera teal --observer 10", "under D65 for the 2-degree observer");
+  ASSERT_EQ(run("match kimera 'lab(50,20,10)' --observer 10 --others A,D65/2"), 0) << said;
+  ASSERT_EQ(run("mix kimera white --observer 10"), 0) << said;
+  EXPECT_NE(said.find("illuminant D65/10"), std::string::npos) << said;
 }
 
 constexpr const char* kCgats = R"(CGATS.17

@@ -18,10 +18,11 @@ namespace aureole {
 namespace {
 
 struct MatchOptions {
-  std::string palette = "kimera", target, illuminant = "D65", json, plot, thickness;
+  std::string palette = "kimera", target, json, plot, thickness;
   std::vector<std::string> others{"A", "F11"}, least, most, only;
   int paints = 3, solutions = 5;
   double substrate = 1;
+  LightOptions light;
   SurfaceOptions surface;
 };
 
@@ -47,12 +48,14 @@ void set_bounds(const pigment::Palette& palette, const std::vector<std::string>&
 
 int match(const MatchOptions& o) {
   const pigment::Palette whole = usable_palette(o.palette, o.surface);
-  const ColourTarget wanted = read_colour_target(o.target, whole, o.illuminant, "target");
+  const std::string viewing = o.light.viewing();
+  const ColourTarget wanted = read_colour_target(o.target, whole, viewing, "target");
   const pigment::Palette& palette = wanted.palette;
-  const pigment::Observation lamp = observe(o.illuminant, palette.nm);
+  const pigment::Observation lamp = observe(viewing, palette.nm);
   std::vector<pigment::Observation> others;
   for (const std::string& name : o.others)
-    if (name != o.illuminant) others.push_back(observe(name, palette.nm));
+    if (const std::string other = viewed_at(name, o.light.observer); other != viewing)
+      others.push_back(observe(other, palette.nm));
 
   pigment::MatchSettings settings;
   settings.max_paints = o.paints, settings.solutions = o.solutions;
@@ -79,16 +82,15 @@ int match(const MatchOptions& o) {
 
   const pigment::Lab& lab = wanted.target.lab;
   fmt::print("{}: L* {:.2f}  a* {:.2f}  b* {:.2f} under {}; {} paints, at most {} of them, {:.2f} s\n\n",
-             o.target, lab.l, lab.a, lab.b, o.illuminant, palette.pigments.size(), o.paints, seconds);
-  fmt::print("{:>9}", o.illuminant);
+             o.target, lab.l, lab.a, lab.b, viewing, palette.pigments.size(), o.paints, seconds);
+  fmt::print("{:>9}", viewing);
   if (spectral) {
     for (const auto& other : others) fmt::print("{:>9}", other.name());
     fmt::print("{:>9}", "rms R");
   }
   fmt::print("  {:<9}recipe\n", "colour");
-  nlohmann::json out = {{"target", {lab.l, lab.a, lab.b}},
-                        {"illuminant", o.illuminant},
-                        {"solutions", nlohmann::json::array()}};
+  nlohmann::json out = {
+      {"target", {lab.l, lab.a, lab.b}}, {"illuminant", viewing}, {"solutions", nlohmann::json::array()}};
   for (const pigment::Match& m : found) {
     const auto recipe = components_of(palette, m.fractions);
     fmt::print("{:9.3f}", m.difference);
@@ -137,7 +139,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--solutions", o->solutions, "largest number of recipes to print")
       .between(1, 1000)
       .shows_default();
-  options.add("--illuminant", o->illuminant, "illuminant under which colours are matched").shows_default();
+  o->light.declare(options, "illuminant under which colours are matched");
   options.add("--others", o->others, "illuminants of the report on metamerism (default A,F11)")
       .separated_by(',');
   options.add("--least", o->least, "PAINT=FRACTION: lower bound of a paint in all recipes")

@@ -46,7 +46,7 @@ int mix(const MixOptions& o) {
   const double thickness = thickness_for(palette, o.layer.thickness);
   note_substrate(o.substrate, o.layer.thickness);
   const double substrate[] = {o.substrate};
-  const pigment::Observation lamp = observe(o.layer.illuminant, palette.nm);
+  const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
   const auto reflectance = [&](const std::vector<double>& f) {
     return pigment::paint_reflectance(pigment::mix(palette, f), thickness, substrate, palette.surface);
   };
@@ -56,7 +56,7 @@ int mix(const MixOptions& o) {
   fmt::print(
       "{}\n{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
       std::isinf(thickness) ? "opaque" : fmt::format("{} thick over {:g}", o.layer.thickness, o.substrate),
-      o.layer.illuminant, colour_text(lamp, mixed));
+      o.layer.light.viewing(), colour_text(lamp, mixed));
   fmt::print("{:>8} {:>12} {:>12} {:>9} {:>9}\n", "nm", palette.relative ? "K, relative" : "K, 1/m",
              palette.relative ? "S, relative" : "S, 1/m", "R inner", "R");
   double next = palette.nm.front();

@@ -69,6 +69,18 @@ std::string SurfaceOptions::text() const {
                      geometry, index, geometry == "45_0" ? "" : light);
 }
 
+void LightOptions::declare(CommandOptions& options, const std::string& what) {
+  options
+      .add("--illuminant", illuminant,
+           what + ": a name of the CIE, or a file of a measured lamp (wavelength, power)")
+      .shows_default();
+  options.add("--observer", observer, "field of the CIE observer in degrees: 2 (1931) or 10 (1964)")
+      .one_of({"2", "10"})
+      .shows_default();
+}
+
+std::string LightOptions::viewing() const { return viewed_at(illuminant, observer); }
+
 void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();
@@ -76,7 +88,7 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add(
       "--thickness", thickness,
       "thickness of the layer, \"20um\"; for palettes without a unit of length a number, in 1/S of the white or in films");
-  options.add("--illuminant", illuminant, "illuminant of the colours").shows_default();
+  light.declare(options, "illuminant of the colours");
   options.add("--json", json, "also write the results to this file").names_output();
 }
 

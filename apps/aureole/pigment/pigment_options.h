@@ -28,9 +28,20 @@ struct SurfaceOptions {
   std::string text() const;
 };
 
+/// The illuminant and the observer of colours.
+struct LightOptions {
+  std::string illuminant = "D65", observer = "2";
+
+  /// `what` is the help of --illuminant.
+  void declare(CommandOptions& options, const std::string& what);
+  /// The name for `observe`: "D65", or "D65/10" for the 10-degree observer.
+  std::string viewing() const;
+};
+
 /// A layer of paint: a recipe, a thickness and a substrate.
 struct LayerOfPaint {
-  std::string palette = "kimera", recipe, thickness, illuminant = "D65", json;
+  std::string palette = "kimera", recipe, thickness, json;
+  LightOptions light;
   bool by_volume = false;
 
   void declare(CommandOptions& options);

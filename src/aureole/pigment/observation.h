@@ -26,6 +26,8 @@ public:
   /// Tristimulus values of a reflectance at the wavelengths; a perfect diffuser has Y = 1.
   Xyz xyz(std::span<const double> reflectance) const;
   const Xyz& white() const { return white_; }
+  /// The weights of the reflectance at each wavelength in X, Y and Z.
+  const std::vector<Xyz>& weights() const { return weights_; }
   Lab lab(std::span<const double> reflectance) const { return lab_of_xyz(xyz(reflectance), white_); }
 
 private:

@@ -117,7 +117,7 @@ struct Columns {
     return nullptr;
   }
 
-  explicit Columns(const TextRow& header, std::vector<std::string>& notes) {
+  Columns(const TextRow& header, Recipes recipes, std::vector<std::string>& notes) {
     struct Found {
       std::size_t column;
       double nm;
@@ -144,7 +144,7 @@ struct Columns {
                       "unknown column \"" + cell.text + "\"; columns are " + kColumnNames +
                           ", as in the line\n    " + kRightHeader);
     }
-    if (!paints)
+    if (!paints && (recipes == Recipes::required || !sample))
       throw TextError(
           header.line, 0,
           "there is no column \"paints\", the recipe of each sample; a line of headings that would be "
@@ -356,7 +356,7 @@ bool change_decimal_commas(std::vector<TextRow>& rows) {
 
 }  // namespace
 
-SampleTable read_samples(std::istream& stream) {
+SampleTable read_samples(std::istream& stream, Recipes recipes) {
   SampleTable table;
   std::vector<std::string>& notes = table.notes;
   const std::string text = utf8_text({std::istreambuf_iterator<char>(stream), {}}, &notes);
@@ -404,7 +404,7 @@ SampleTable read_samples(std::istream& stream) {
                         "expected " + std::to_string(width) + " cells as in line " +
                             std::to_string(best.rows.front().line) + ", got " +
                             std::to_string(row.cells.size()));
-    bool has_paints = false;
+    bool has_paints = recipes == Recipes::optional;
     for (const TextRow& row : best.rows)
       has_paints = has_paints || Heading(row.cells[0].text).word == "paints";
     for (TextRow& row : best.rows)
@@ -415,7 +415,7 @@ SampleTable read_samples(std::istream& stream) {
       }
     best.rows = transposed(best.rows);
   }
-  const Columns columns(best.rows.front(), notes);
+  const Columns columns(best.rows.front(), recipes, notes);
   table.nm = columns.nm;
   std::vector<std::size_t> without_unit;
   double largest = 0;

@@ -61,6 +61,9 @@ private:
   int wavelength_;
 };
 
+/// Whether a table must say of which paints its samples are. Colours alone do not need it.
+enum class Recipes { required, optional };
+
 /// Reads a table of text as laboratories write it. Cells are separated by commas, semicolons or tabs; with the last
 /// two, numbers may have decimal commas. Text may be UTF-16 or Windows-1252. Empty columns at the end, lines before the table, empty lines and lines beginning
 /// with '#' are skipped. A line names the columns, in any case: "paints" (a recipe; required), "sample", "specimen",
@@ -69,7 +72,7 @@ private:
 /// several times are repeats. Instead, the first column may have these names, and the others one measurement each.
 /// Without a unit, values above 1.5 are taken for per cent. What is assumed or not used is in `notes`. Throws
 /// TextError that says what was expected and gives a line that would be right.
-SampleTable read_samples(std::istream& text);
+SampleTable read_samples(std::istream& text, Recipes recipes = Recipes::required);
 
 /// An empty table with examples, for a spreadsheet.
 std::string sample_table_template();

@@ -167,7 +167,7 @@ std::string kind_of(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-pigment::SampleTable read_sample_file(const std::string& file) {
+pigment::SampleTable read_sample_file(const std::string& file, pigment::Recipes recipes) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
   std::vector<std::string> of_text;
@@ -180,7 +180,7 @@ pigment::SampleTable read_sample_file(const std::string& file) {
   } else {
     std::istringstream stream(text);
     try {
-      table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream);
+      table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream, recipes);
     } catch (const pigment::TextError& e) {
       throw Error({file, e.line(), e.column()}, e.what());
     }

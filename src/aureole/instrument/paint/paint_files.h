@@ -21,8 +21,9 @@ namespace aureole {
 ///                   "backing": "opaque", "thickness_um": 20, "values": [...]}, ...]}
 /// where `paints` may also be a recipe as text, and all but `paints` and `values` are optional. JSON may also
 /// be the array of the repository PaintMixing (wavelengths, then samples in per cent). The name `kimera`
-/// reads the built-in table of the library.
-pigment::SampleTable read_sample_file(const std::string& file);
+/// reads the built-in table of the library. If `recipes` are optional, tables of text need no column of paints.
+pigment::SampleTable read_sample_file(const std::string& file,
+                                      pigment::Recipes recipes = pigment::Recipes::required);
 
 /// Throws an Error with the location in the file of an error about a table that was read from it.
 [[noreturn]] void rethrow_located(const std::string& file, const pigment::SampleTable& table,
