@@ -13,6 +13,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/parallel.h"
+#include "aureole/instrument/paint/colour_figures.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/optics/medium/spectral_table.h"
@@ -94,14 +95,22 @@ void pigment_coefficients(const Reals& r, const Reals& t, const Reals& thickness
   });
 }
 
-/// Rows of three numbers.
-void difference(const Array<const double, 2>& a, const Array<const double, 2>& b,
-                const Array<double>& result) {
+/// Differences of rows L*, a*, b* by a formula; other names than these are CIEDE2000; l and c are those of CMC.
+void difference(const Array<const double, 2>& a, const Array<const double, 2>& b, const std::string& formula,
+                double l, double c, const Array<double>& result) {
+  using pigment::Lab;
   const std::size_t n = result.size();
-  require_size(a.shape(0) == n && b.shape(0) == n && a.shape(1) == 3 && b.shape(1) == 3, "ciede2000");
+  require_size(a.shape(0) == n && b.shape(0) == n && a.shape(1) == 3 && b.shape(1) == 3, "difference");
+  pigment::DifferenceFormula by = pigment::ciede2000;
+  if (formula == "cie1976") by = pigment::cie1976;
+  if (formula == "cmc") by = [=](const Lab& p, const Lab& q) { return pigment::cmc(p, q, l, c); };
+  if (formula == "cie94") by = [](const Lab& p, const Lab& q) { return pigment::cie94(p, q); };
+  if (formula == "cie94_textiles")
+    by = [](const Lab& p, const Lab& q) { return pigment::cie94(p, q, pigment::Cie94::textiles); };
+  if (formula == "din99o") by = pigment::din99o;
   for_each(n, [&](std::size_t i) {
     const double *p = a.data() + 3 * i, *q = b.data() + 3 * i;
-    result.data()[i] = pigment::ciede2000({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
+    result.data()[i] = by({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
   });
 }
 
@@ -288,6 +297,43 @@ std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutP
   });
 }
 
+/// X, Y, Z, then L*, a*, b*, whiteness, tint and yellowness, NaN where they are not defined, and whether the
+/// reflectance is a white.
+std::tuple<Numbers, bool> figures(const Numbers& nm, const Numbers& reflectance, const std::string& viewing) {
+  const ColourFigures f = naming("reflectance", [&] { return colour_figures(nm, reflectance, viewing); });
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  return {{f.xyz[0], f.xyz[1], f.xyz[2], f.lab.l, f.lab.a, f.lab.b,
+           f.whiteness ? f.whiteness->whiteness : nothing, f.whiteness ? f.whiteness->tint : nothing,
+           f.yellowness.value_or(nothing)},
+          f.whiteness && f.whiteness->is_valid};
+}
+
+/// Differences in L*, a*, b*, C*, H*; the five formulas; strength at the maximum, its wavelength, summed, weighted;
+/// differences of the tint tone in L*, C*, H* and CIEDE2000, NaN without a strength; the metamerism indices; and why
+/// there is no strength.
+std::tuple<Numbers, Numbers, std::string> compare(const Numbers& nm, const Numbers& standard,
+                                                  const Numbers& sample, const std::string& viewing,
+                                                  const std::vector<std::string>& others, double cmc_l,
+                                                  double cmc_c, bool textiles, const Numbers& white,
+                                                  const SurfaceNumbers& surface) {
+  const ColourSettings settings{.viewing = viewing,
+                                .others = others,
+                                .cmc_l = cmc_l,
+                                .cmc_c = cmc_c,
+                                .cie94 = textiles ? pigment::Cie94::textiles : pigment::Cie94::graphic_arts,
+                                .strength = {surface_of(surface), white}};
+  const ColourComparison c =
+      naming("sample", [&] { return compare_colours(nm, standard, sample, settings); });
+  Numbers all{c.lab.l, c.lab.a, c.lab.b, c.lch.c, c.lch.h, c.cie1976, c.cmc, c.cie94, c.ciede2000, c.din99o};
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  if (c.strength)
+    all.insert(all.end(), {c.strength->at_maximum, c.strength->nm, c.strength->summed, c.strength->weighted,
+                           c.tone.l, c.tone.c, c.tone.h, c.tone_ciede2000});
+  else
+    all.insert(all.end(), 8, nothing);
+  return {all, c.metamerism, c.no_strength};
+}
+
 /// L*, a*, b* of reflectances, a row each.
 Table lab(const Numbers& nm, const Table& reflectances, const std::string& illuminant) {
   const pigment::Observation lamp = observe(illuminant, nm);
@@ -369,7 +415,8 @@ void bind_pigment(nb::module_& m) {
                     [&](double x) { return pigment::inner_reflectance(surface_of(s), x); });
       },
       arg("surface"), arg("outer"), arg("result").noconvert());
-  m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("result").noconvert());
+  m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("formula"), arg("l"), arg("c"),
+        arg("result").noconvert());
   m.def("pigment_two_flux_error", &two_flux_error, arg("albedo"), arg("thickness"), arg("g"), arg("index"),
         arg("substrate"), arg("convention"), arg("result").noconvert());
   m.def("pigment_conventions", &pigment::convention_names);
@@ -394,6 +441,9 @@ void bind_pigment(nb::module_& m) {
         return recipe_fractions(palette_of(palette), recipe, false, "recipe");
       },
       arg("palette"), arg("recipe"));
+  m.def("pigment_figures", &figures, arg("nm"), arg("reflectance"), arg("viewing"));
+  m.def("pigment_compare", &compare, arg("nm"), arg("standard"), arg("sample"), arg("viewing"), arg("others"),
+        arg("cmc_l"), arg("cmc_c"), arg("textiles"), arg("white"), arg("surface"));
   m.def("pigment_lab", &lab, arg("nm"), arg("reflectances"), arg("illuminant"));
   m.def("pigment_match", &match, arg("palette"), arg("lab"), arg("reflectance"), arg("paints"),
         arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"));

@@ -43,6 +43,32 @@ def test_differences():
     np.testing.assert_allclose(grey, [[116 * 0.18 ** (1 / 3) - 16, 0, 0]] * 2, atol=1e-9)
 
 
+def test_figures_of_the_trade():
+    """Numbers of tests/references/colour_figures.py; closed forms for greys."""
+    a, b = [60.2574, -34.0099, 36.2677], [60.4626, -34.1751, 39.4387]
+    for formula, value in (("cie1976", 3.181924), ("cmc", 1.420486), ("cie94", 1.390995), ("cie94_textiles", 1.389733),
+                           ("din99o", 1.710469)):
+        assert pigment.difference(a, b, formula) == pytest.approx(value, abs=1e-5)
+    assert pigment.difference(a, b, "cmc", cmc=(1, 1)) == pytest.approx(1.428230, abs=1e-5)
+    nm = np.arange(360.0, 831.0)
+    edge = 0.05 + 0.8 / (1 + np.exp(-(nm - 585) / 22)) + 0.12 * np.exp(-(((nm - 440) / 40) ** 2))
+    np.testing.assert_allclose(pigment.lab(nm, edge, "F11/10"), [63.802258, 42.712687, 31.113900], atol=4e-4)
+    white = pigment.colour(nm, 0.88 - 0.35 * np.exp(-(nm - 360) / 18), "D65/10")
+    assert white.is_white and white.whiteness == pytest.approx(86.708641, abs=1e-3)
+    assert white.yellowness == pytest.approx(0.435578, abs=1e-3)
+    assert np.isnan(pigment.colour(nm, edge, "A").yellowness)
+    seen = pigment.surface("d8", specular="included")
+    grey = [seen.outer(np.full(nm.size, pigment.opaque_reflectance(q))) for q in (0.1, 0.6, 1.1)]
+    found = pigment.compare(nm, grey[1], grey[2], illuminant="D65/10", others=["A/10", "D65/2"], white=grey[0], surface=seen)
+    assert found.strength == pytest.approx(2) and found.strength_weighted == pytest.approx(2)
+    assert found.tone_ciede2000 == pytest.approx(0, abs=1e-6) and found.metamerism["D65/2"] == pytest.approx(0, abs=1e-6)
+    assert found.cie1976 == pytest.approx(-found.lab[0])
+    with pytest.raises(aureole.Error, match="sample: expected 471 values"):
+        pigment.compare(nm, edge, [0.5])
+    with pytest.raises(aureole.Error, match="formula: expected"):
+        pigment.difference(a, b, "rgb")
+
+
 def test_from_measurements_to_a_recipe(tmp_path):
     palette = pigment.fit("kimera")
     assert len(palette.names) == 13 and palette.relative and palette.k.shape == (13, 170)
@@ -77,6 +103,12 @@ def test_two_flux_error():
     np.testing.assert_allclose(found.lightness, 116 * np.cbrt(found.reflectance) - 16, atol=1e-9)
     dark = pigment.two_flux_error(0.3, 1, 0.5, convention="diffusion")  # S is negative
     assert np.isnan(dark.error) and np.isnan(dark.lightness_error) and dark.reflectance > 0
+
+
+def test_spreading_rate():
+    """White that does not absorb hides at S X = 49 (0.98 = SX/(1 + SX)): 490 um of S = 1e5/m; half of that wet is 1.02 m^2/l."""
+    chalk = pigment.Paint(np.array([400.0, 700.0]), np.zeros(2), np.full(2, 1e5), pigment.Surface())
+    assert chalk.spreading_rate(0.5, white=1) == pytest.approx(0.5 / 0.49, rel=1e-9)
 
 
 def test_hiding():

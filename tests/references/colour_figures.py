@@ -92,6 +92,12 @@ if __name__ == "__main__":
         index = np.linalg.norm(colour.XYZ_to_Lab(xyz(s, name, field) / 100, n) -
                                colour.XYZ_to_Lab(correction * xyz(t, name, field) / 100, n))
         print(f'{{"{name}/{field}", {{{numbers(lab(s, name, field))}}}, {{{numbers(lab(t, name, field))}}}, {index:.6f}}}')
+    tens = np.arange(400.0, 701.0, 10)
+    curve = colour.SpectralDistribution(dict(zip(tens, standard(tens))))
+    for name, field in [("D65", 10), ("A", 2), ("FL11", 10)]:
+        seen, ones = (colour.sd_to_XYZ(sd, colour.MSDS_CMFS[FIELDS[field]], colour.SDS_ILLUMINANTS[name], method="ASTM E308")
+                      for sd in (curve, colour.sd_ones()))
+        print(f"every 10 nm, by ASTM E308, {name}/{field}: {numbers(colour.XYZ_to_Lab(seen / 100, colour.XYZ_to_xy(ones)), 4)}")
     for name, field in [("D65", 2), ("D65", 10), ("C", 2), ("C", 10)]:
         v, n = xyz(w, name, field), xyz(1 + 0 * NM, name, field)
         wt = colour.colorimetry.whiteness_CIE2004(colour.XYZ_to_xy(v), v[1], colour.XYZ_to_xy(n), FIELDS[field])

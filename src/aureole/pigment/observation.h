@@ -11,8 +11,9 @@
 
 namespace aureole::pigment {
 
-/// An illuminant and an observer, as weights of a reflectance given at certain wavelengths. The reflectance
-/// is linear between them and constant beyond them.
+/// An illuminant and an observer, as weights of a reflectance given at certain wavelengths. Between them the
+/// reflectance is the cubic through the four nearest ones (Lagrange, as in ASTM E2022), or linear where they are more
+/// than 20 nm apart; beyond them it is constant.
 class Observation {
 public:
   /// `lamp` is the spectral power of the illuminant, in any unit, and `observer` is x-bar, y-bar, z-bar, as

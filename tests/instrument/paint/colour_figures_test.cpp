@@ -122,6 +122,21 @@ TEST(ColourFigures, AgreeWithAnotherProgram) {
   EXPECT_FALSE(colour_figures(c.nm, c.white, "A").yellowness);
 }
 
+/// Reflectances every 10 nm from 400 to 700 nm: by the tables of ASTM E308 (colour-science,
+/// tests/references/colour_figures.py). Straight lines between them would be off by 0.06.
+TEST(ColourFigures, EveryTenNanometres) {
+  const Curves c;
+  std::vector<double> nm, values;
+  for (std::size_t i = 0; i < c.nm.size(); ++i)
+    if (c.nm[i] >= 400 && c.nm[i] <= 700 && std::fmod(c.nm[i], 10) == 0)
+      nm.push_back(c.nm[i]), values.push_back(c.standard[i]);
+  for (const auto& [viewing, lab] :
+       {std::pair<const char*, pigment::Lab>{"D65/10", {60.4074, 45.6064, 26.9763}},
+        {"A", {67.8555, 46.1165, 41.6535}},
+        {"F11/10", {63.8022, 42.7062, 31.1266}}})
+    EXPECT_LT(pigment::cie1976(colour_figures(nm, values, viewing).lab, lab), 0.02) << viewing;
+}
+
 TEST(ColourFigures, LampsFromFiles) {
   const TemporaryFolder folder;
   const auto file = [&](const std::string& name, const std::string& text) {
