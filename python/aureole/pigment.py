@@ -565,13 +565,36 @@ def paint_of_grains(nm: npt.ArrayLike, index: Union[str, npt.ArrayLike], radius:
 
 @dataclass(frozen=True)
 class Match:
-    """A recipe: shares by mass, CIEDE2000 to the target under the illuminant and under others, rms of R, and the reflectance."""
+    """A recipe for a colour.
+
+    Attributes
+    ----------
+    recipe : dict
+        Share of each paint by mass.
+    difference : float
+        CIEDE2000 to the target under the illuminant.
+    metamerism : dict
+        CIEDE2000 under the other illuminants, if the target is a reflectance.
+    rms : float
+        Of the difference in reflectance, if the target is one.
+    reflectance : numpy.ndarray
+    cost : float
+        Per mass of the mixture; 0 without prices.
+    contrast : float
+        Contrast ratio over black and white at the thickness; 1 for opaque layers.
+    dosing : dict
+        CIEDE2000 of 1 % too much of a paint; `dosing_error` is that of independent errors of 1 % of all.
+    """
 
     recipe: Dict[str, float]
     difference: float
     metamerism: Dict[str, float]
     rms: float
     reflectance: Reals
+    cost: float = 0.0
+    contrast: float = 1.0
+    dosing: Dict[str, float] = field(default_factory=dict)
+    dosing_error: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -639,8 +662,11 @@ class Palette:
         return Paint(self.nm, fractions @ np.maximum(self.k, 0), fractions @ np.maximum(self.s, 0), self.surface)
 
     def match(self, target: npt.ArrayLike, *, paints: int = 3, solutions: int = 5, illuminant: str = "D65",
-              others: Sequence[str] = ("A", "F11"), least: Mapping[str, float] = {}, most: Mapping[str, float] = {}) -> List[Match]:
-        """Recipes of at most `paints` paints, opaque, best first.
+              others: Sequence[str] = ("A", "F11"), least: Mapping[str, float] = {}, most: Mapping[str, float] = {},
+              by: str = "colour", prices: Mapping[str, float] = {}, apart: Sequence[Tuple[str, str]] = (), smallest: float = 1e-4,
+              thickness: float = math.inf, substrate: npt.ArrayLike = 1.0, opacity: float = 0.0, trade_offs: bool = False,
+              within: float = 1.0) -> List[Match]:
+        """Recipes of at most `paints` paints, best first.
 
         Parameters
         ----------
@@ -651,23 +677,60 @@ class Palette:
             Most paints of a recipe, 1 to 6; most recipes.
         least, most : mapping of str to float
             Bounds of a paint's share.
+        by : str
+            What recipes minimise: "colour" (under the illuminant), "lamps" (under all of them) or "spectrum" (rms).
+        prices : mapping of str to float
+            Price of every paint that may be used, per mass.
+        apart : sequence of pairs of str
+            Paints that no recipe has together.
+        smallest : float
+            Smallest share of a paint that can be dosed.
+        thickness : float
+            Of the layer, in the inverse unit of K and S; opaque by default.
+        substrate : array_like
+            Inner reflectance below such a layer.
+        opacity : float
+            Least contrast ratio over black and white (0.8) at that thickness.
+        trade_offs : bool
+            Return recipes with a difference of at most `within` of which no other one is better in colour, cost and
+            metamerism at once.
         """
         wanted = real("target", target)
         if wanted.shape not in ((3,), self.nm.shape):
             raise Error(f"target: expected 3 numbers (L*, a*, b*) or {self.nm.size} (a reflectance), got shape {wanted.shape}")
         spectral = wanted.shape == self.nm.shape
+        choice("by", by, "colour", "lamps", "spectrum")
+
+        def index(name: str, paint: str) -> int:
+            if paint not in self.names:
+                raise Error(f"{name}: unknown paint {paint!r}; there are {', '.join(self.names)}")
+            return self.names.index(paint)
+
         bounds = []
         for name, given, default in (("least", least, 0.0), ("most", most, 1.0)):
             values = [default] * len(self.names)
             for paint, share in given.items():
-                if paint not in self.names:
-                    raise Error(f"{name}: unknown paint {paint!r}; there are {', '.join(self.names)}")
-                values[self.names.index(paint)] = scalar(name, share, minimum=0, maximum=1)
+                values[index(name, paint)] = scalar(name, share, minimum=0, maximum=1)
             bounds.append(values)
+        costs: List[float] = []
+        if prices:
+            for paint in prices:
+                index("prices", paint)
+            missing = [paint for paint, most_ in zip(self.names, bounds[1]) if most_ > 0 and paint not in prices]
+            if missing:
+                raise Error(f"prices: there is no price of {missing[0]!r}")
+            costs = [scalar("prices", prices.get(paint, 0.0), minimum=0) for paint in self.names]
+        pairs = [(index("apart", one), index("apart", other)) for one, other in apart]
+        depth = math.inf if math.isinf(thickness) else scalar("thickness", thickness, positive=True)
+        below = np.atleast_1d(real("substrate", substrate, minimum=0, maximum=1))
         found = _aureole.pigment_match(self._parts(), [] if spectral else wanted.tolist(), wanted.tolist() if spectral else [],
-                                       paints, solutions, illuminant, list(others), *bounds)
+                                       paints, solutions, illuminant, list(others), *bounds, by, costs, pairs,
+                                       scalar("smallest", smallest, minimum=0), depth, below.tolist(),
+                                       scalar("opacity", opacity, minimum=0), flag("trade_offs", trade_offs),
+                                       scalar("within", within, positive=True))
         return [Match({n: f for n, f in zip(self.names, fractions) if f > 0}, difference, dict(zip(others, differences)), rms,
-                      np.array(reflectance)) for fractions, difference, differences, rms, reflectance in found]
+                      np.array(reflectance), cost, contrast, {n: d for n, f, d in zip(self.names, fractions, dosing) if f > 0}, total)
+                for fractions, difference, differences, rms, reflectance, cost, contrast, dosing, total in found]
 
 
 @contextlib.contextmanager

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paints: layers, interfaces, fits, recipes. aureole/pigment.py checks the arguments and shapes the results.
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -345,13 +346,17 @@ Table lab(const Numbers& nm, const Table& reflectances, const std::string& illum
   return rows;
 }
 
-/// Fractions, difference, differences under other lamps, rms and reflectance of each solution.
-using Solution = std::tuple<Numbers, double, Numbers, double, Numbers>;
+/// Fractions, difference, differences under other lamps, rms and reflectance of each solution, its cost, contrast ratio
+/// and colour differences of 1 % more of each paint and of all.
+using Solution = std::tuple<Numbers, double, Numbers, double, Numbers, double, double, Numbers, double>;
 
 std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab, const Numbers& target,
                             int paints, int solutions, const std::string& illuminant,
-                            const std::vector<std::string>& others, const Numbers& least,
-                            const Numbers& most) {
+                            const std::vector<std::string>& others, const Numbers& least, const Numbers& most,
+                            const std::string& by, const Numbers& price,
+                            const std::vector<std::pair<std::size_t, std::size_t>>& apart, double smallest,
+                            double thickness, const Numbers& substrate, double opacity, bool trade_offs,
+                            double within) {
   const Unlocked release;
   const pigment::Palette palette = palette_of(parts);
   const pigment::Observation lamp = observe(illuminant, palette.nm);
@@ -359,8 +364,21 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
   for (const std::string& name : others) lamps.push_back(observe(name, palette.nm));
   pigment::MatchTarget wanted;
   wanted.reflectance = target;
-  pigment::MatchSettings settings;
-  settings.max_paints = paints, settings.solutions = solutions, settings.least = least, settings.most = most;
+  const pigment::MatchSettings settings{.max_paints = paints,
+                                        .solutions = solutions,
+                                        .least = least,
+                                        .most = most,
+                                        .thickness = thickness,
+                                        .substrate = substrate,
+                                        .by = by == "lamps"      ? pigment::MatchBy::lamps
+                                              : by == "spectrum" ? pigment::MatchBy::spectrum
+                                                                 : pigment::MatchBy::colour,
+                                        .forbidden = apart,
+                                        .smallest = smallest,
+                                        .price = price,
+                                        .least_contrast = opacity,
+                                        .trade_offs = trade_offs,
+                                        .within = within};
   return naming("match", [&] {
     wanted.lab = target.empty() ? pigment::Lab{target_lab.at(0), target_lab.at(1), target_lab.at(2)}
                                 : lamp.lab(target);
@@ -369,7 +387,8 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
       for_ranges(n, body, grain);
     };
     for (const pigment::Match& m : pigment::match(palette, wanted, lamp, lamps, settings, threads))
-      all.emplace_back(m.fractions, m.difference, m.differences, m.rms, m.reflectance);
+      all.emplace_back(m.fractions, m.difference, m.differences, m.rms, m.reflectance, m.cost, m.contrast,
+                       m.dosing, m.dosing_error);
     return all;
   });
 }
@@ -446,7 +465,9 @@ void bind_pigment(nb::module_& m) {
         arg("cmc_l"), arg("cmc_c"), arg("textiles"), arg("white"), arg("surface"));
   m.def("pigment_lab", &lab, arg("nm"), arg("reflectances"), arg("illuminant"));
   m.def("pigment_match", &match, arg("palette"), arg("lab"), arg("reflectance"), arg("paints"),
-        arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"));
+        arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"), arg("by"),
+        arg("price"), arg("apart"), arg("smallest"), arg("thickness"), arg("substrate"), arg("opacity"),
+        arg("trade_offs"), arg("within"));
 }
 
 }  // namespace aureole::python

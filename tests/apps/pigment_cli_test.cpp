@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "harness/paths.h"
@@ -117,6 +118,43 @@ TEST_F(PigmentCli, TablesOfTheirOwn) {
     {"paints": "chalk", "values": [90, 90]}, {"paints": "red", "values": [30, 50]}, {"paints": {"red": 1, "chalk": 3}, "values": [50, 70]}]})");
   ASSERT_EQ(run("fit white.json --white chalk"), 0) << said;
   EXPECT_NE(said.find("2 paints, 3 measurements"), std::string::npos) << said;
+}
+
+TEST_F(PigmentCli, RecipesWithCostOpacityAndLimits) {
+  write("prices.csv", "paint,price\nwhite,2\nred,20\nred oxide,3\ncold yellow,12\nblack,2\nsnow,1\n");
+  const std::string only = " --only white --only red --only 'red oxide' --only 'cold yellow' --only black";
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only + " --prices prices.csv --json m.json"), 0) << said;
+  EXPECT_NE(said.find("note: prices.csv:7: the palette has no paint \"snow\""), std::string::npos) << said;
+  const std::map<std::string, double> prices{
+      {"white", 2}, {"red", 20}, {"red oxide", 3}, {"cold yellow", 12}, {"black", 2}};
+  for (const auto& m : json("m.json")["solutions"]) {
+    double cost = 0;
+    for (const auto& [name, share] : m["recipe"].items()) cost += prices.at(name) * share.get<double>();
+    EXPECT_NEAR(m["cost"], cost, 1e-9);
+    EXPECT_TRUE(m.contains("dosing_error"));
+  }
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only +
+                " --trade-offs --within 8 --prices prices.csv --json m.json"),
+            0)
+      << said;
+  EXPECT_NE(said.find("Trade-offs: "), std::string::npos);
+  for (const auto& m : json("m.json")["solutions"]) EXPECT_LE(m["difference"], 8.0);
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only + " --apart 'red, white' --json m.json"), 0) << said;
+  for (const auto& m : json("m.json")["solutions"])
+    EXPECT_FALSE(m["recipe"].contains("red") && m["recipe"].contains("white"));
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)' --thickness 3 --opacity 0.95 --json m.json"), 0) << said;
+  for (const auto& m : json("m.json")["solutions"]) EXPECT_GE(m["contrast_ratio"], 0.95);
+
+  fails("match kimera teal --opacity 0.95", "a contrast ratio needs a layer with a thickness");
+  fails("match kimera teal --thickness 0.001 --opacity 0.95", "the contrast ratio of every recipe");
+  fails("match kimera teal --prices prices.csv", "prices.csv: there is no price of");
+  fails("match kimera teal --apart red", "--apart: write two paints");
+  fails("match kimera teal --apart red,snow", "--apart: unknown paint \"snow\"");
+  fails("match kimera teal --by lamps", "needs the target's reflectance");
+  write("wrong.csv", "white,cheap\n");
+  fails("match kimera teal --prices wrong.csv", "wrong.csv:1:7: expected a price per mass");
+  ASSERT_EQ(run("match kimera teal --within 2"), 0);
+  EXPECT_NE(said.find("--within: has no effect without --trade-offs"), std::string::npos);
 }
 
 /// A grey of twice the K/S: strength 200 %, no tint tone; equal curves differ in no formula.

@@ -90,6 +90,30 @@ def test_from_measurements_to_a_recipe(tmp_path):
         pigment.fit(table)
 
 
+def test_recipes_with_trade_offs():
+    palette = pigment.fit("kimera")
+    wanted = palette.mix({"red": 0.15, "cold yellow": 0.05, "white": 0.8}).reflectance()
+    prices = {name: 1.0 + i for i, name in enumerate(palette.names)}
+    front = palette.match(wanted, prices=prices, trade_offs=True, within=3, solutions=50)
+    for one in front:
+        assert one.difference <= 3 and one.cost == pytest.approx(sum(prices[n] * f for n, f in one.recipe.items()))
+        for other in front:
+            assert not (other.difference < one.difference - 0.02 and other.cost < one.cost - 1e-5
+                        and max(other.metamerism.values()) < max(one.metamerism.values()) - 0.02)
+    assert all(not {"red", "white"} <= set(m.recipe) for m in palette.match(wanted, apart=[("red", "white")]))
+    assert all(min(m.recipe.values()) >= 0.05 for m in palette.match(wanted, smallest=0.05))
+    by_spectrum, by_colour = (palette.match(wanted * 0.98, by=by, solutions=1)[0] for by in ("spectrum", "colour"))
+    assert by_spectrum.rms < by_colour.rms
+    best = palette.match(wanted, solutions=1)[0]
+    assert best.dosing_error == pytest.approx(np.sqrt(sum(d**2 for d in best.dosing.values()))) and best.contrast == 1
+    hiding = palette.match(pigment.lab(palette.nm, wanted), thickness=3.0, substrate=0.8, opacity=0.95)
+    assert all(0.95 <= m.contrast < 1 for m in hiding)
+    for wrong, words in (({"prices": {"red": 1}}, "prices: there is no price"), ({"apart": [("red", "snow")]}, "apart: unknown paint"),
+                         ({"by": "name"}, "by: expected"), ({"opacity": 0.9}, "needs a layer with a thickness")):
+        with pytest.raises(aureole.Error, match=words):
+            palette.match(wanted, **wrong)
+
+
 def test_two_flux_error():
     """Transport of isotropic scatterers without an interface: R_inf of docs/pigments.md; Kubelka and Munk by their closed form."""
     albedo = np.array([[0.5], [0.9], [0.99]])

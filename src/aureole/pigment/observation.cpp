@@ -68,6 +68,14 @@ Observation::Observation(std::string name, std::span<const double> nm,
   for (double& v : white_) v *= scale;
 }
 
+Observation Observation::grouped(std::size_t group) const {
+  Observation result = *this;
+  result.weights_.assign((weights_.size() + group - 1) / group, Xyz{});
+  for (std::size_t i = 0; i < weights_.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) result.weights_[i / group][c] += weights_[i][c];
+  return result;
+}
+
 Xyz Observation::xyz(std::span<const double> reflectance) const {
   if (reflectance.size() != weights_.size())
     throw std::domain_error("a reflectance needs one value for each wavelength of the observation");

@@ -24,6 +24,8 @@ public:
               const std::array<std::function<double(double)>, 3>& observer);
 
   const std::string& name() const { return name_; }
+  /// The weights of means over `group` neighbouring wavelengths each, for quick estimates.
+  Observation grouped(std::size_t group) const;
   /// Tristimulus values of a reflectance at the wavelengths; a perfect diffuser has Y = 1.
   Xyz xyz(std::span<const double> reflectance) const;
   const Xyz& white() const { return white_; }
