@@ -724,7 +724,7 @@ class Palette:
         depth = math.inf if math.isinf(thickness) else scalar("thickness", thickness, positive=True)
         below = np.atleast_1d(real("substrate", substrate, minimum=0, maximum=1))
         found = _aureole.pigment_match(self._parts(), [] if spectral else wanted.tolist(), wanted.tolist() if spectral else [],
-                                       paints, solutions, illuminant, list(others), *bounds, by, costs, pairs,
+                                       paints, solutions, illuminant, list(others), bounds[0], bounds[1], by, costs, pairs,
                                        scalar("smallest", smallest, minimum=0), depth, below.tolist(),
                                        scalar("opacity", opacity, minimum=0), flag("trade_offs", trade_offs),
                                        scalar("within", within, positive=True))
