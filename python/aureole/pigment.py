@@ -756,30 +756,42 @@ def _table(file: Union[str, "os.PathLike[str]"]) -> Iterator[str]:
             raise Error(str(error).replace(text, name)) from None
 
 
+Files = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]]]
+
+
+def _names(files: Files) -> List[str]:
+    one = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    if not one:
+        raise Error("file: expected at least one file")
+    return [os.fspath(name) for name in one]
+
+
 def _note(file: Union[str, "os.PathLike[str]"], notes: Sequence[str]) -> None:
     for note in notes:
         warnings.warn(f"{os.fspath(file)}: {note}", stacklevel=3)
 
 
-def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
+def fit(file: Files, *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
     """K and S of the paints of a table of measured samples, .csv, CGATS.17, .cxf, .json or a spreadsheet (docs/pigments.md).
 
     Parameters
     ----------
-    file : str or path
-        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Spreadsheets need the package python-calamine. What reading
+    file : str or path, or a sequence of them
+        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Several files make one table. Spreadsheets need the package python-calamine. What reading
         assumed, such as per cent without a unit, is a warning.
     white : str
         The paint that tints are made with.
     surface : Surface, optional
-        What the measurements were seen through; without one reflectances are taken as they are.
+        What the measurements were seen through; without one it is that of the geometry that the file states (CxF, CGATS), for
+        an index of 1.5, or none.
     """
-    name = os.fspath(file)
-    if surface is None:
-        surface = Surface(*_aureole.pigment_kimera_surface()) if name == "kimera" else Surface()
-    with _table(file) as table:
-        parts, notes = _aureole.pigment_fit(table, white, (surface.seen, surface.through, surface.k2))
-    _note(file, notes)
+    names = _names(file)
+    if surface is None and names == ["kimera"]:
+        surface = Surface(*_aureole.pigment_kimera_surface())
+    with contextlib.ExitStack() as stack:
+        tables = [stack.enter_context(_table(name)) for name in names]
+        parts, notes = _aureole.pigment_fit(tables, white, None if surface is None else (surface.seen, surface.through, surface.k2))
+    _note(", ".join(names), notes)
     return Palette._of(parts)
 
 
@@ -829,7 +841,7 @@ class JointFit(NamedTuple):
     held_out: List[HeldOut]
 
 
-def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", surface: Surface = Surface(), index: float = 1.5,
+def joint_fit(file: Files, *, theory: str = "streams", surface: Surface = Surface(), index: float = 1.5,
               g: float = 0.8, geometry: str = "d8", specular: str = "excluded", noise: float = 0.01,
               thickness_error: float = 0.15, amount_error: float = 0.1,
               hold_out: Union[str, int, Sequence[str], None] = None) -> JointFit:
@@ -837,7 +849,7 @@ def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", 
 
     Parameters
     ----------
-    file : str or path
+    file : str or path, or a sequence of them
         As for `fit`; films over cards need no thickness.
     theory : str
         "two-flux", seen through `surface`, or "streams", in a binder of `index` with mean cosine `g`, by an instrument of
@@ -854,18 +866,20 @@ def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", 
     choice("geometry", geometry, "diffuse", "d8", "45_0")
     choice("specular", specular, "included", "excluded")
     words = [] if hold_out is None else [str(hold_out)] if isinstance(hold_out, (str, int)) else list(hold_out)
-    with _table(file) as table:
+    files = _names(file)
+    with contextlib.ExitStack() as stack:
+        tables = [stack.enter_context(_table(name)) for name in files]
         parts, ratios, specimens, held, notes = _aureole.pigment_joint_fit(
-            table, (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
+            tables, (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
             scalar("g", g, minimum=-0.95, maximum=0.95), geometry, specular, scalar("noise", noise, minimum=1e-5, maximum=0.2),
             scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),
             words)
-    _note(file, notes)
+    _note(", ".join(files), notes)
     palette = Palette._of(parts)
     predictions = []
     for name, samples, measured, predicted, error, reason in held:
         if reason:
-            raise Error(f"{os.fspath(file)}: {name}: {reason}")
+            raise Error(f"{', '.join(files)}: {name}: {reason}")
         seen, told = np.array(measured), np.array(predicted)
         difference = float(ciede2000(lab(palette.nm, seen), lab(palette.nm, np.maximum(told, 0))).mean())
         predictions.append(HeldOut(name, tuple(samples), seen, told, np.array(error), difference))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paints: layers, interfaces, fits, recipes. aureole/pigment.py checks the arguments and shapes the results.
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -8,6 +9,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -239,13 +241,25 @@ SurfaceNumbers saunderson(double k1, double k2, const std::string& specular) {
 
 using Names = std::vector<std::string>;
 
-/// The palette, and what reading the file assumed.
-std::tuple<PaletteParts, Names> fit(const std::string& file, const std::string& white,
-                                    const SurfaceNumbers& surface) {
+/// The palette, and what reading the files assumed. Without a surface that of the geometry that they state, for an
+/// index of 1.5, or none.
+std::tuple<PaletteParts, Names> fit(const Names& files, const std::string& white,
+                                    const std::optional<SurfaceNumbers>& surface) {
   const Unlocked release;
-  const pigment::SampleTable table = read_sample_file(file);
-  return {parts_of(fit_file(file, table, {.surface = surface_of(surface), .white = white}).palette),
-          table.notes};
+  const pigment::SampleTable table = read_sample_files(files);
+  Names notes = table.notes;
+  pigment::Surface seen;
+  if (surface) {
+    seen = surface_of(*surface);
+  } else if (const pigment::Instrument& by = table.instrument; !by.geometry.empty()) {
+    seen = pigment::smooth_surface(
+        1.5, pigment::geometry_called(by.geometry),
+        by.specular == "included" ? pigment::Specular::included : pigment::Specular::excluded);
+    notes.push_back("was measured at the geometry " + by.geometry +
+                    (by.specular.empty() ? "" : ", specular " + by.specular) +
+                    ": the interface of index 1.5 is taken off; surface=Surface() takes none off");
+  }
+  return {parts_of(fit_file(files.front(), table, {.surface = seen, .white = white}).palette), notes};
 }
 
 /// Name, rms, weight, thickness and its error, and for each paint of a mixture: name, factor, error.
@@ -257,12 +271,12 @@ using HeldOutParts = std::tuple<std::string, Names, Table, Table, Table, std::st
 /// The palette, errors of ln(K/S), specimens, specimens kept back, and what reading the file assumed. `hold_out` has
 /// names of specimens, or "each", or a number of groups.
 std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutParts>, Names> joint_fit(
-    const std::string& file, const SurfaceNumbers& surface, bool streams, double index, double g,
+    const Names& files, const SurfaceNumbers& surface, bool streams, double index, double g,
     const std::string& geometry, const std::string& specular, double noise, double thickness, double amount,
     const Names& hold_out) {
   const Unlocked release;
-  const pigment::SampleTable table = read_sample_file(file);
-  return located_in(file, table, [&] {
+  const pigment::SampleTable table = read_sample_files(files);
+  return located_in(files.front(), table, [&] {
     pigment::JointSettings settings;
     settings.noise = noise, settings.thickness = thickness, settings.dose = amount;
     const auto how = pigment::geometry_called(geometry);
@@ -447,8 +461,8 @@ void bind_pigment(nb::module_& m) {
       },
       arg("contrast"), arg("start"), arg("target"));
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
-  m.def("pigment_fit", &fit, arg("file"), arg("white"), arg("surface"));
-  m.def("pigment_joint_fit", &joint_fit, arg("file"), arg("surface"), arg("streams"), arg("index"), arg("g"),
+  m.def("pigment_fit", &fit, arg("files"), arg("white"), arg("surface").none());
+  m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface"), arg("streams"), arg("index"), arg("g"),
         arg("geometry"), arg("specular"), arg("noise"), arg("thickness"), arg("amount"), arg("hold_out"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
   m.def(

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "harness/paths.h"
 #include "loading/load_text.h"
@@ -320,6 +321,138 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
         "a.cxf:15:73: the tag thickness_um must be positive, got 0");
   wrong("a.cxf", replaced(kCxf, "</cc:CxF>", ""), "a.cxf:26:1: not well-formed");
   wrong("a.cxf", "<svg/>", "a.cxf:1:1: expected the element CxF");
+}
+
+/// The geometry of a CxF file is taken off; version 2 of the format has the range of wavelengths elsewhere.
+TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
+  const std::string spec = R"(<cc:MeasurementSpec>)";
+  const auto with = [&](const std::string& geometry) {
+    return replaced(kCxf, spec, spec + "<cc:GeometryChoice>" + geometry + "</cc:GeometryChoice>");
+  };
+  write("sphere.cxf", with("<cc:SphereGeometry>Specular_Included</cc:SphereGeometry>"));
+  write("plain.cxf", kCxf);
+  const auto s_of = [&](const std::string& arguments) {
+    EXPECT_EQ(run("fit " + arguments + " --json fit.json"), 0) << said;
+    return json("fit.json")["pigments"][0]["s"][1].get<double>();
+  };
+  const double sphere = s_of("sphere.cxf");
+  EXPECT_NE(
+      said.find("sphere.cxf: was measured at the geometry d8, specular included: the interface of index 1.5"),
+      std::string::npos)
+      << said;
+  EXPECT_DOUBLE_EQ(sphere, s_of("plain.cxf --geometry d8 --specular included"));
+  EXPECT_DOUBLE_EQ(s_of("sphere.cxf --geometry none"), s_of("plain.cxf"));
+  s_of("sphere.cxf --geometry 45_0");
+  EXPECT_NE(said.find("states the geometry d8, specular included; the options, which differ, are taken"),
+            std::string::npos)
+      << said;
+  write("single.cxf",
+        with("<cc:SingleAngle><cc:SingleAngleConfiguration>Annular</cc:SingleAngleConfiguration>"
+             "<cc:IlluminationAngle>45</cc:IlluminationAngle>"
+             "<cc:MeasurementAngle>0.0</cc:MeasurementAngle></cc:SingleAngle>"));
+  EXPECT_DOUBLE_EQ(s_of("single.cxf"), s_of("plain.cxf --geometry 45_0"));
+  // Version 2: no MeasurementSpec; here in per cent.
+  std::string two = replaced(replaced(kCxf, "CxF3-core", "v2"), spec, "");
+  two = replaced(two, "</cc:MeasurementSpec>", "");
+  EXPECT_NO_FATAL_FAILURE(write("two.cxf", two));
+  EXPECT_DOUBLE_EQ(s_of("two.cxf"), s_of("plain.cxf"));
+  write("cgats.cgats",
+        "MEASUREMENT_GEOMETRY \"45/0\"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME nm400 nm700\nEND_DATA_FORMAT\n"
+        "BEGIN_DATA\nwhite .9 .8\nEND_DATA\n");
+  EXPECT_EQ(run("fit cgats.cgats"), 0);
+  EXPECT_NE(said.find("was measured at the geometry 45_0, specular excluded"), std::string::npos) << said;
+
+  write("a.cxf", with("<cc:MultiAngle/>"));
+  fails("fit a.cxf", "measurements at several angles");
+  write("a.cxf", with("<cc:SingleAngle><cc:IlluminationAngle>15</cc:IlluminationAngle></cc:SingleAngle>"));
+  fails("fit a.cxf", "SingleAngle needs MeasurementAngle");
+}
+
+TEST_F(PigmentCli, TablesAsLaboratoriesKeepThem) {
+  // A free film by R and T columns, with leading columns that are not needed.
+  // R and T of K = 0: R = SX/(1 + SX) with S X = 1.
+  write(
+      "film.csv",
+      "Lot,Tester,paint,thickness_um,R400,R550,R700,T400,T550,T700\n7,jd,chalk,10,0.5,0.5,0.5,0.4999,0.4999,0.4999\n");
+  ASSERT_EQ(run("fit film.csv --json fit.json"), 0) << said;
+  EXPECT_EQ(json("fit.json")["pigments"][0]["fit"]["method"], "free film");
+  EXPECT_NEAR(json("fit.json")["pigments"][0]["s"][1], 1e5, 100);
+  EXPECT_NE(said.find("the column \"Lot\" is not used"), std::string::npos) << said;
+  write("misspelt.csv", "samplle,paints,400,500\na,white,0.8,0.8\n");
+  fails("fit misspelt.csv", "misspelt.csv:1:1: unknown column \"samplle\"");
+
+  // Missing cells: one between neighbours, one at an end.
+  const std::string head = "paints,400,440,460,480,600,700\n";
+  write(
+      "gaps.csv",
+      head +
+          "white,0.7,0.8,,0.9,0.9,0.9\nred,,0.3,0.35,0.4,0.5,0.6\nred: 1 + white: 1,0.4,0.4,0.45,0.5,0.6,0.7\n");
+  ASSERT_EQ(run("fit gaps.csv --json fit.json"), 0) << said;
+  EXPECT_NE(said.find("1 missing value is interpolated; the first: line 2, \"white\" at 460 nm"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find("1 wavelengths at the ends, which a sample lacks, are left out: 440 to 700 nm remain"),
+            std::string::npos)
+      << said;
+  // White is opaque: K/S = (1 - R)^2/(2 R), S = 1; at 460 nm R is the mean of 0.8 and 0.9.
+  EXPECT_NEAR(json("fit.json")["pigments"][0]["k"][1], 0.15 * 0.15 / 1.7, 1e-12);
+  write("wide.csv", "paints,400,450,500\nwhite,0.8,,0.9\n");
+  fails("fit wide.csv", "wide.csv:2:11: sample \"white\" has no value at 450 nm");
+
+  // A file for each drawdown, each with cards of its own; the fit of both is that of one table.
+  const auto file = [&](const std::string& name, const std::string& paint, double dark, double bright,
+                        double black, double white) {
+    std::ostringstream text;
+    text << "sample,paints,backing,thickness_um,400,550,700\n";
+    const auto line = [&](const std::string& start, double r) {
+      text << start << ',' << r << ',' << r << ',' << r << '\n';
+    };
+    line("black,,,", black), line("white,,,", white);
+    line("x," + paint + ",black,20", dark), line("y," + paint + ",white,20", bright);
+    write(name, text.str());
+  };
+  file("a.csv", "ochre", 0.2, 0.4, 0.05, 0.8), file("b.csv", "umber", 0.1, 0.2, 0.04, 0.78);
+  ASSERT_EQ(run("fit a.csv b.csv --json fit.json"), 0) << said;
+  const auto both = json("fit.json")["pigments"];
+  ASSERT_EQ(both.size(), 2u);
+  for (const auto& [name, index] : {std::pair{"a.csv", 0}, {"b.csv", 1}}) {
+    ASSERT_EQ(run("fit " + std::string(name) + " --json fit.json"), 0) << said;
+    EXPECT_DOUBLE_EQ(both[std::size_t(index)]["s"][0], json("fit.json")["pigments"][0]["s"][0]) << name;
+  }
+  ASSERT_EQ(run("fit a.csv b.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("2 paints, 2 specimens"), std::string::npos) << said;
+  file("b.csv", "umber", 0.1, 1.2, 0.04, 0.78);
+  fails("fit a.csv b.csv", "b.csv:5:18: sample \"y\" at 400 nm: reflectance 1.2");
+}
+
+TEST_F(PigmentCli, WhatDataCannotTell) {
+  const std::string head = "sample,paints,backing,thickness_um,400,550,700\n";
+  write(
+      "alike.csv",
+      head +
+          "p,,,,0.80,0.80,0.80\nq,,,,0.82,0.82,0.82\na,ochre,p,20,0.4,0.4,0.4\nb,ochre,q,20,0.41,0.41,0.41\n");
+  fails("fit alike.csv",
+        "its substrates \"p\" and \"q\" reflect nearly the same (0.8 and 0.82 at 550 nm): two that differ");
+  ASSERT_EQ(run("fit alike.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("the cards below"), std::string::npos) << said;
+  write("one.csv", "sample,paints,backing,400,550,700\np,,,0.80,0.80,0.80\na,ochre,p,0.4,0.4,0.4\n");
+  ASSERT_EQ(run("fit one.csv --joint"), 0) << said;
+  EXPECT_NE(
+      said.find(
+          "the paint \"ochre\" was measured alone and over one card: only K/S is known; missing is a tint"),
+      std::string::npos)
+      << said;
+  // A thin layer by two fluxes: off by several units, and said so; a thick one of a white is not.
+  ASSERT_EQ(run("mix kimera 'red: 1 + white: 1' --thickness 0.2"), 0);
+  EXPECT_NE(said.find("two fluxes may be off by a Delta E of"), std::string::npos) << said;
+  ASSERT_EQ(run("mix kimera white --thickness 1000 --geometry none"), 0);
+  EXPECT_EQ(said.find("two fluxes may be off"), std::string::npos) << said;
+  // 12 thousand tints of one paint.
+  std::ofstream large(folder.path / "large.csv");
+  large << "paints,400,700\nwhite,0.9,0.9\n";
+  for (int i = 1; i < 12000; ++i) large << "red: " << i << " + white: 20000,0.5,0.5\n";
+  large.close();
+  fails("fit large.csv --joint", "hours; fit a part of them");
 }
 
 /// Half-spaces of isotropic scatterers under diffuse light: .478 and .795 by transport (shared/physics.md 5).

@@ -351,6 +351,18 @@ def test_notes_are_warnings(tmp_path):
         pigment.fit(table)
 
 
+def test_several_files_and_their_geometry(tmp_path):
+    head = 'MEASUREMENT_GEOMETRY "d/8 SCI"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME PAINTS nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\n'
+    one, two = tmp_path / "one.cgats", tmp_path / "two.cgats"
+    one.write_text(head + 'a white .9 .8\nb red .1 .5\nEND_DATA\n')
+    two.write_text(head + 'c "red: 1 + white: 9" .5 .7\nEND_DATA\n')
+    with pytest.warns(UserWarning, match="d8, specular included"):
+        stated = pigment.fit([one, two])
+    given = pigment.fit([one, two], surface=pigment.surface("d8", specular="included"))
+    np.testing.assert_array_equal(stated.k, given.k)
+    assert stated.surface == given.surface and stated.names == ("white", "red")
+
+
 def _write_xlsx(path, rows):
     """A workbook of one sheet, with texts in their cells."""
     def cell(at, value):

@@ -133,16 +133,17 @@ nlohmann::json comparison_json(const ColourComparison& c, const std::vector<std:
   return out;
 }
 
-int colour(const ColourOptions& o) {
+int colour(ColourOptions o) {
   if (o.cmc.size() != 2 || !(o.cmc[0] > 0 && o.cmc[1] > 0))
     throw Error("--cmc: expected two positive numbers l:c, as in 2:1");
-  const auto to = other_surface(o);
-  o.surface.note_unused();
   const auto mark = o.samples.rfind('#');
   const bool is_one = mark != o.samples.npos && mark > 0;
   const std::string file = is_one ? o.samples.substr(0, mark) : o.samples;
   pigment::SampleTable table = read_sample_file(file, pigment::Recipes::optional);
   for (const std::string& note : table.notes) tell("note: {}: {}\n", file, note);
+  o.surface.take(table.instrument, file);
+  const auto to = other_surface(o);
+  o.surface.note_unused();
   std::vector<double> nm = table.nm;
   std::vector<double> standard, white;
   ColourSettings settings{

@@ -23,6 +23,7 @@ namespace aureole {
 namespace {
 
 struct FitOptions {
+  std::vector<std::string> files;
   std::string samples, white = "white", output, json, plot, plot_k, plot_s, plot_differences;
   LightOptions light;
   SurfaceOptions surface;
@@ -156,16 +157,19 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
            did_you_mean(name, names));
 }
 
-int fit(const FitOptions& o) {
+int fit(FitOptions o) {
+  o.samples = fmt::format("{}", fmt::join(o.files, ", "));
   if (o.is_template) {
+    if (o.files.size() > 1) throw Error("--template: expected one file to write");
     if (std::filesystem::exists(o.samples)) throw Error("--template: the file " + o.samples + " exists");
     write_file_atomically(o.samples, pigment::sample_table_template());
     fmt::print("{}: an empty table with examples\n", o.samples);
     return 0;
   }
-  const pigment::SampleTable table = read_sample_file(o.samples);
+  const pigment::SampleTable table = read_sample_files(o.files);
   const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
   for (const std::string& note : table.notes) tell("note: {}: {}\n", o.samples, note);
+  o.surface.take(table.instrument, o.samples);
   note_unused(o, table);
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
@@ -264,8 +268,10 @@ int fit(const FitOptions& o) {
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<FitOptions>();
   options
-      .add("samples", o->samples,
-           "table of measured samples (.csv or .json), or kimera: 13 acrylics, by miciwan, CC BY 4.0")
+      .add(
+          "samples", o->files,
+          "tables of measured samples (text, CGATS, CxF, .json), for example one of each drawdown; or kimera: 13 "
+          "acrylics, by miciwan, CC BY 4.0")
       .required();
   options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");

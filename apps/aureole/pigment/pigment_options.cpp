@@ -50,6 +50,27 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
+void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file) {
+  if (instrument.geometry.empty()) return;
+  const std::string stated =
+      instrument.geometry + (instrument.specular.empty() ? "" : ", specular " + instrument.specular);
+  if (given()) {
+    const bool differs = (!geometry.empty() && geometry != instrument.geometry) ||
+                         (!instrument.specular.empty() && instrument.geometry != "45_0" &&
+                          specular != instrument.specular && geometry != "none");
+    if (differs)
+      tell("note: {}: states the geometry {}; the options, which differ, are taken\n", file, stated);
+    return;
+  }
+  geometry = instrument.geometry;
+  if (!instrument.specular.empty()) specular = instrument.specular;
+  tell(
+      "note: {}: was measured at the geometry {}{}: the interface of index {:g} is taken off; --geometry none takes "
+      "none off\n",
+      file, stated,
+      instrument.specular.empty() ? ", and does not say whether specular light is included" : "", index);
+}
+
 void SurfaceOptions::note_unused() const {
   if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
   if (specular == "included" && (!given() || geometry == "none"))

@@ -25,6 +25,12 @@ namespace aureole {
 pigment::SampleTable read_sample_file(const std::string& file,
                                       pigment::Recipes recipes = pigment::Recipes::required);
 
+/// Joins files of measured samples to one table, at the wavelengths of the first that all of them have; others are
+/// interpolated linearly. Cards and specimens belong to their file: of a card that several files have bare each has
+/// its own, and layers without a specimen are different layers in different files. Throws Error if wavelengths do not overlap or
+/// instruments differ.
+pigment::SampleTable read_sample_files(const std::vector<std::string>& files);
+
 /// Throws an Error with the location in the file of an error about a table that was read from it.
 [[noreturn]] void rethrow_located(const std::string& file, const pigment::SampleTable& table,
                                   const std::domain_error& error);
