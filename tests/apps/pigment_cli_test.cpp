@@ -362,6 +362,8 @@ TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
   EXPECT_EQ(run("fit cgats.cgats"), 0);
   EXPECT_NE(said.find("was measured at the geometry 45_0, specular excluded"), std::string::npos) << said;
 
+  ASSERT_EQ(run("colour plain.cxf --standard sphere.cxf#chalk"), 0) << said;
+  EXPECT_NE(said.find("state different geometries"), std::string::npos) << said;
   write("a.cxf", with("<cc:MultiAngle/>"));
   fails("fit a.cxf", "measurements at several angles");
   write("a.cxf", with("<cc:SingleAngle><cc:IlluminationAngle>15</cc:IlluminationAngle></cc:SingleAngle>"));

@@ -160,6 +160,15 @@ int colour(ColourOptions o) {
   std::optional<MeasuredReflectance> of_standard, of_white;
   if (!o.standard.empty()) of_standard = mean_reflectance_called(o.standard, "--standard");
   if (!o.white.empty() && of_standard) of_white = mean_reflectance_called(o.white, "--white");
+  for (const auto& [text, other] : {std::pair{o.standard, of_standard}, {o.white, of_white}})
+    if (other && !(other->instrument.geometry == table.instrument.geometry &&
+                   other->instrument.specular == table.instrument.specular))
+      tell("note: {} and {} state different geometries; their differences contain that of the instruments\n",
+           file, text);
+  const auto through = std::count_if(
+      table.samples.begin(), table.samples.end(),
+      [](const pigment::Sample& s) { return s.quantity == pigment::Sample::Quantity::transmittance; });
+  if (through > 0) tell("note: {}: {} transmittances are left out\n", file, through);
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < nm.size(); ++i) {
     const auto has = [&](const std::optional<MeasuredReflectance>& m) {

@@ -175,7 +175,7 @@ MeasuredReflectance mean_reflectance(const std::string& file, const std::string&
     throw Error({file, 0, 0}, "no sample is called \"" + sample + "\"" + did_you_mean(sample, known) +
                                   fmt::format("; there are {}", fmt::join(known, ", ")));
   for (double& v : mean) v /= count;
-  return {table.nm, mean};
+  return {table.nm, mean, table.instrument};
 }
 
 MeasuredReflectance mean_reflectance_called(const std::string& text, const std::string& option) {

@@ -9,6 +9,7 @@
 
 #include "aureole/pigment/colour_indices.h"
 #include "aureole/pigment/match.h"
+#include "aureole/pigment/samples.h"
 
 namespace aureole {
 
@@ -40,6 +41,7 @@ struct ColourTarget {
 /// The mean reflectance of the samples of a name in a file of measured samples, which needs no recipes.
 struct MeasuredReflectance {
   std::vector<double> nm, values;
+  pigment::Instrument instrument = {};  ///< as the file states it
   /// Interpolated linearly at other wavelengths; zero beyond the measured ones.
   std::vector<double> at(std::span<const double> wavelengths) const;
 };
