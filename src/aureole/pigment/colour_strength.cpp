@@ -33,6 +33,8 @@ std::vector<double> white_ratios(std::span<const double> nm, const StrengthSetti
 ColourStrength colour_strength(std::span<const double> nm, std::span<const double> standard,
                                std::span<const double> sample, const Observation& lamp,
                                const StrengthSettings& settings) {
+  if (lamp.weights().size() != nm.size())
+    throw std::domain_error("the observation needs the wavelengths of the reflectances");
   const std::vector<double> white = white_ratios(nm, settings);
   std::vector<double> wanted = ratios(nm, standard, settings.surface, "the standard"),
                       got = ratios(nm, sample, settings.surface, "the sample");

@@ -353,6 +353,9 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
   MatchProblem problem{original, target, {lamp}, settings};
   problem.lamps.insert(problem.lamps.end(), others.begin(), others.end());
   check(problem.palette);
+  for (const Observation& one : problem.lamps)
+    if (one.weights().size() != problem.palette.nm.size())
+      throw std::domain_error("the observation " + one.name() + " needs the wavelengths of the palette");
   clamp_negative(problem.palette);
   problem.settings = checked(problem.palette, target, settings);
   const auto levels = paint_sets(problem.settings);

@@ -34,6 +34,13 @@ void solve(std::array<Shares, kMaxPaints>& a, Shares& b, std::size_t n) {
   }
 }
 
+/// `outer_reflectance` of `reflectance_over`, with one division and without checks: innermost loops call it.
+double seen_over(const Surface& surface, const LayerTransfer& layer, double below) {
+  const double open = 1 - layer.reflectance * below,
+               inner = layer.reflectance * open + layer.transmittance * layer.transmittance * below;
+  return surface.seen + surface.through * inner / (open - surface.k2 * inner);
+}
+
 /// Means over groups of neighbours.
 std::vector<double> means(const std::vector<double>& values, std::size_t group) {
   std::vector<double> result;
@@ -90,8 +97,7 @@ const std::vector<double>& Mixer::reflectance(const Shares& shares) {
     find_layers();
     const std::vector<double>& below = problem_.settings.substrate;
     for (std::size_t i = 0; i < n; ++i)
-      reflectance_[i] =
-          outer_reflectance(surface, reflectance_over(layers_[i], below.size() == 1 ? below[0] : below[i]));
+      reflectance_[i] = seen_over(surface, layers_[i], below.size() == 1 ? below[0] : below[i]);
     return reflectance_;
   }
   // R_inf = S/(K + S + gamma) under the interface, with one root and one division: this loop takes nearly
@@ -121,9 +127,8 @@ double Mixer::contrast_of_layers() {
   double over_black = 0, over_white = 0;
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     const double weight = problem_.lamps.front().weights()[i][1];
-    over_black += weight * outer_reflectance(surface, layers_[i].reflectance);
-    over_white +=
-        weight * outer_reflectance(surface, reflectance_over(layers_[i], problem_.settings.white_below));
+    over_black += weight * seen_over(surface, layers_[i], 0);
+    over_white += weight * seen_over(surface, layers_[i], problem_.settings.white_below);
   }
   return over_white > 0 ? over_black / over_white : 1;
 }

@@ -69,6 +69,7 @@ Observation::Observation(std::string name, std::span<const double> nm,
 }
 
 Observation Observation::grouped(std::size_t group) const {
+  require(group >= 1, double(group), "the number of wavelengths of a group", "must be positive");
   Observation result = *this;
   result.weights_.assign((weights_.size() + group - 1) / group, Xyz{});
   for (std::size_t i = 0; i < weights_.size(); ++i)
