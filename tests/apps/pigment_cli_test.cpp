@@ -351,11 +351,14 @@ TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
              "<cc:IlluminationAngle>45</cc:IlluminationAngle>"
              "<cc:MeasurementAngle>0.0</cc:MeasurementAngle></cc:SingleAngle>"));
   EXPECT_DOUBLE_EQ(s_of("single.cxf"), s_of("plain.cxf --geometry 45_0"));
-  // Version 2: no MeasurementSpec; here in per cent.
+  // Version 2 has no MeasurementSpec. Values may be per cent.
   std::string two = replaced(replaced(kCxf, "CxF3-core", "v2"), spec, "");
   two = replaced(two, "</cc:MeasurementSpec>", "");
-  EXPECT_NO_FATAL_FAILURE(write("two.cxf", two));
+  write("two.cxf", two);
   EXPECT_DOUBLE_EQ(s_of("two.cxf"), s_of("plain.cxf"));
+  two = replaced(replaced(two, "0.80 0.82 0.84", "80 82 84"), "0.81 0.825 0.85", "81 82.5 85");
+  write("percent.cxf", replaced(two, "0.40 0.45\n      0.50", "40 45\n      50"));
+  EXPECT_NEAR(s_of("percent.cxf") / s_of("two.cxf"), 1, 1e-12);
   write("cgats.cgats",
         "MEASUREMENT_GEOMETRY \"45/0\"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME nm400 nm700\nEND_DATA_FORMAT\n"
         "BEGIN_DATA\nwhite .9 .8\nEND_DATA\n");

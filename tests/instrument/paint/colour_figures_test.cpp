@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "aureole/core/error.h"
+#include "aureole/instrument/paint/two_flux_doubt.h"
 #include "loading/load_text.h"
 
 namespace aureole::test {
@@ -135,6 +136,20 @@ TEST(ColourFigures, EveryTenNanometres) {
         {"A", {67.8555, 46.1165, 41.6535}},
         {"F11/10", {63.8022, 42.7062, 31.1266}}})
     EXPECT_LT(pigment::cie1976(colour_figures(nm, values, viewing).lab, lab), 0.02) << viewing;
+}
+
+/// docs/pigments.md, "Limits": with an index of 1, albedo 0.9, thickness 1 in 1/(sigma_s (1 - g)) and over black, two fluxes
+/// are off by -0.8 L* from 67.1 for g = 0, which is a CIEDE2000 of 0.65; other g are off by somewhat more. A thick white is
+/// off by nothing, and a layer a tenth as thick by -2.9 L* from 34.3.
+TEST(ColourFigures, DoubtOfTwoFluxes) {
+  const std::vector<double> nm{400, 450, 500, 550, 600, 650, 700};
+  const pigment::Observation lamp = observe("D65", nm);
+  // K = 2 sigma_a, S = 3/4 sigma_s (1 - g), with sigma_s = 1 and sigma_a = 1/9.
+  const pigment::Paint grey(nm.size(), {2. / 9, 0.75}), white(nm.size(), {0, 0.75});
+  EXPECT_GT(two_flux_doubt(grey, nm, 1, 0, 1, lamp), 0.6);
+  EXPECT_LT(two_flux_doubt(grey, nm, 1, 0, 1, lamp), 1);
+  EXPECT_LT(two_flux_doubt(white, nm, 1000, 0, 1, lamp), 0.1);
+  EXPECT_GT(two_flux_doubt(grey, nm, 0.1, 0, 1, lamp), 2);
 }
 
 TEST(ColourFigures, LampsFromFiles) {
