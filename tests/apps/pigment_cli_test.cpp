@@ -401,6 +401,11 @@ TEST_F(PigmentCli, TablesAsLaboratoriesKeepThem) {
       << said;
   // White is opaque: K/S = (1 - R)^2/(2 R), S = 1; at 460 nm R is the mean of 0.8 and 0.9.
   EXPECT_NEAR(json("fit.json")["pigments"][0]["k"][1], 0.15 * 0.15 / 1.7, 1e-12);
+  // A gap of one sample that reaches over the end of another.
+  write("ends.csv",
+        "paints,400,440,480,520,560,600,640,680,720\nwhite,0.8,0.8,0.8,0.8,0.8,0.8,0.8,,0.9\n"
+        "red,0.1,0.1,0.1,0.1,0.1,0.3,0.5,0.6,\nred: 1 + white: 1,0.4,0.4,0.4,0.4,0.4,0.5,0.6,0.7,0.7\n");
+  fails("fit ends.csv", "ends.csv:2:35: sample \"white\" has no value at 680 nm");
   write("wide.csv", "paints,400,450,500\nwhite,0.8,,0.9\n");
   fails("fit wide.csv", "wide.csv:2:11: sample \"white\" has no value at 450 nm");
 

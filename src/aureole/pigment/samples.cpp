@@ -278,19 +278,23 @@ void fill_missing(SampleTable& table) {
   int count = 0;
   std::string place;
   for (Sample& s : table.samples) {
-    cut(s.values), cut(s.columns), cut(s.lines);
-    for (std::size_t i = 1; i + 1 < s.values.size(); ++i) {
-      if (is_known(s.values[i])) continue;
-      std::size_t next = i + 1;
-      while (!is_known(s.values[next])) ++next;
-      const double from = table.nm[first + i - 1], to = table.nm[first + next];
-      if (to - from > kWidestGap) fail_missing(s, table.nm[first + i], i);
-      const double a = s.values[i - 1], b = s.values[next];
-      if (count == 0)
-        place = "line " + std::to_string(!s.lines.empty() ? s.lines[i] : s.line) + ", \"" + s.name +
-                "\" at " + number_text(table.nm[first + i]) + " nm";
-      for (; i < next; ++i, ++count) s.values[i] = a + (b - a) * (table.nm[first + i] - from) / (to - from);
+    std::size_t before = all;  // the last known value
+    for (std::size_t i = 0; i < all; ++i) {
+      if (!is_known(s.values[i])) continue;
+      const double gap = before < i ? table.nm[i] - table.nm[before] : 0;
+      for (std::size_t j = before + 1; before < i && j < i; ++j) {
+        // A gap that the cut removes does not matter.
+        if (gap > kWidestGap && j >= first && j < last) fail_missing(s, table.nm[j], j);
+        const double t = (table.nm[j] - table.nm[before]) / gap;
+        s.values[j] = s.values[before] + t * (s.values[i] - s.values[before]);
+        if (j < first || j >= last) continue;
+        if (count++ == 0)
+          place = "line " + std::to_string(!s.lines.empty() ? s.lines[j] : s.line) + ", \"" + s.name +
+                  "\" at " + number_text(table.nm[j]) + " nm";
+      }
+      before = i;
     }
+    cut(s.values), cut(s.columns), cut(s.lines);
   }
   if (last - first < all)
     table.notes.push_back(
