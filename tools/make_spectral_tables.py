@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Write src/aureole/spectrum/data/{cie_1931_observer,illuminants}.inc from the colour-science package.
+"""Write src/aureole/spectrum/data/{cie_1931_observer,cie_1964_observer,illuminants}.inc from the colour-science package.
 
     python tools/make_spectral_tables.py [output directory]
 
@@ -85,14 +85,14 @@ def write(path, text):
     print(f"wrote {path.name}: {len(text)} bytes")
 
 
-def write_observer(directory):
-    cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+def write_observer(directory, year, degrees, standard, name):
+    cmfs = colour.MSDS_CMFS[f"CIE {year} {degrees} Degree Standard Observer"]
     assert np.array_equal(cmfs.wavelengths, np.arange(360, 831))
-    source = "CIE 1931 2-degree observer, 360-830 nm in steps of 1 nm: CIE 018:2019 / ISO/CIE 11664-1"
+    source = f"CIE {year} {degrees}-degree observer, 360-830 nm in steps of 1 nm: {standard}"
     text = LICENCE + MADE_BY + f"// {source}.\n"
     for i, axis in enumerate("XYZ"):
-        text += f"constexpr double kObserver{axis}[471] = {{\n{wrapped(cmfs.values[:, i])}\n}};\n"
-    write(directory / "cie_1931_observer.inc", text)
+        text += f"constexpr double {name}{axis}[471] = {{\n{wrapped(cmfs.values[:, i])}\n}};\n"
+    write(directory / f"cie_{year}_observer.inc", text)
     print(" ", source)
 
 
@@ -119,5 +119,6 @@ def write_illuminants(directory):
 if __name__ == "__main__":
     target = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "src/aureole/spectrum/data"
     print("colour-science", colour.__version__)
-    write_observer(target)
+    write_observer(target, 1931, 2, "CIE 018:2019 / ISO/CIE 11664-1", "kObserver")
+    write_observer(target, 1964, 10, "CIE 15:2004, table T.5 / ISO/CIE 11664-1", "kObserver10")
     write_illuminants(target)

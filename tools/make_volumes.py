@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the grids of scenes/volumes as NRRD files of one byte at each voxel (needs numpy):
+"""Writes the grids of scenes/volumes as NRRD files (needs numpy):
 
-    make_volumes.py orbital orbital.nrrd    # wave function of hydrogen, n = 4, l = 2, m = 0, its largest value 127
+    make_volumes.py orbital orbital.nrrd    # wave function of hydrogen, n = 4, l = 2, m = 0, its largest value 1000
     make_volumes.py part part.nrrd          # a machine part: aluminium 120, steel bolts 220, air 0
     make_volumes.py head head.nrrd --inv3 Cranium.inv3    # the CT head of Debian's package invesalius-examples (GPL-2)
 
@@ -24,11 +24,11 @@ def axes(size, reach):
 
 def orbital():
     """Real wave function of hydrogen for n = 4, l = 2, m = 0; lengths in Bohr radii."""
-    z, y, x = axes((96, 80, 80), (26, 21, 21))
+    z, y, x = axes((104, 84, 84), (44, 34, 34))
     r = np.sqrt(x * x + y * y + z * z)
     rho = r / 2  # 2 r / n
     psi = rho**2 * (6 - rho) * np.exp(-rho / 2) * (3 * z * z / np.maximum(r * r, 1e-9) - 1)
-    return np.round(127 * psi / np.abs(psi).max()).astype(np.int8), "int8", (52 / 96, 42 / 80, 42 / 80), (26, 21, 21)
+    return np.round(1000 * psi / np.abs(psi).max()).astype("<i2"), "int16", (88 / 104, 68 / 84, 68 / 84), (44, 34, 34)
 
 
 def part():

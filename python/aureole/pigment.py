@@ -23,9 +23,10 @@ from ._arrays import complex_numbers, flag, real, scalar, text as checked_text
 from ._errors import Error
 from ._vectorised import broadcast, choice, last_axis, shaped
 
-__all__ = ["Fluxes", "HeldOut", "JointFit", "Layer", "Match", "Paint", "Palette", "Specimen", "Surface", "TwoFluxError", "ciede2000", "coefficients",
-           "coefficients_of_transport", "fit", "fluxes_within", "grain_index", "grain_names", "joint_fit", "k_over_s", "lab",
-           "layer", "opaque_reflectance", "paint_of_grains", "saunderson", "surface", "two_flux_error"]
+__all__ = ["Colour", "Comparison", "Fluxes", "HeldOut", "JointFit", "Layer", "Match", "Paint", "Palette", "Specimen", "Surface", "TwoFluxError",
+           "ciede2000", "coefficients", "coefficients_of_transport", "colour", "compare", "difference", "fit", "fluxes_within", "grain_index",
+           "grain_names", "joint_fit", "k_over_s", "lab", "layer", "opaque_reflectance", "paint_of_grains", "saunderson", "surface",
+           "two_flux_error"]
 
 Reals = npt.NDArray[np.float64]
 
@@ -260,23 +261,160 @@ def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.Array
     return TwoFluxError(*(shaped(row, shape) for row in result))
 
 
-def ciede2000(a: npt.ArrayLike, b: npt.ArrayLike) -> Any:
-    """CIEDE2000 difference of colours (..., 3) of L*, a*, b* (Sharma, Wu & Dalal 2005)."""
+def difference(a: npt.ArrayLike, b: npt.ArrayLike, formula: str = "ciede2000", *, cmc: Tuple[float, float] = (2, 1)) -> Any:
+    """Colour differences of samples `b` from standards `a`, arrays (..., 3) of L*, a*, b*.
+
+    Parameters
+    ----------
+    a, b : array_like
+        CMC and CIE94 take their weights from `a`, the standard.
+    formula : str
+        "cie1976" (Delta E*ab), "cmc", "cie94", "cie94_textiles", "ciede2000" or "din99o".
+    cmc : tuple of float
+        l and c of CMC(l:c).
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> float(pigment.difference([50, 0, 0], [50, 3, 4], "cie1976"))
+    5.0
+    """
+    choice("formula", formula, "cie1976", "cmc", "cie94", "cie94_textiles", "ciede2000", "din99o")
     first, second = real("a", a), real("b", b)
     last_axis("a", first, 3)
     last_axis("b", second, 3)
     shape, (p, q) = broadcast(a=first, b=second)
     result = np.empty(p.size // 3)
-    _aureole.pigment_difference(p.reshape(-1, 3), q.reshape(-1, 3), result)
+    lightness, chroma = (scalar("cmc", v, positive=True) for v in cmc)
+    _aureole.pigment_difference(p.reshape(-1, 3), q.reshape(-1, 3), formula, lightness, chroma, result)
     return shaped(result, shape[:-1])
 
 
+def ciede2000(a: npt.ArrayLike, b: npt.ArrayLike) -> Any:
+    """CIEDE2000 difference of colours (..., 3) of L*, a*, b* (Sharma, Wu & Dalal 2005)."""
+    return difference(a, b)
+
+
 def lab(nm: npt.ArrayLike, reflectance: npt.ArrayLike, illuminant: str = "D65") -> Reals:
-    """L*, a*, b* of outer reflectances (..., len(nm)) for the CIE 1931 observer."""
+    """L*, a*, b* of outer reflectances (..., len(nm)) under an illuminant.
+
+    `illuminant` is a name of the CIE ("D65", "F11", "LED-B3"), or a file of a measured lamp (wavelength, power), with
+    "/10" for the CIE 1964 observer of 10 degrees; without it the observer is that of 1931.
+    """
     wavelengths, r = real("nm", nm, positive=True), real("reflectance", reflectance, minimum=0)
     last_axis("reflectance", r, wavelengths.size)
     rows = _aureole.pigment_lab(wavelengths.tolist(), r.reshape(-1, wavelengths.size).tolist(), illuminant)
     return np.array(rows).reshape(r.shape[:-1] + (3,))
+
+
+class Colour(NamedTuple):
+    """Figures of one reflectance.
+
+    X, Y, Z (Y = 100: a perfect diffuser); L*, a*, b*; CIE whiteness and tint (under D65, else NaN) and whether the sample
+    is a white, for which they hold; yellowness of ASTM E313 (under C and D65, else NaN).
+    """
+
+    xyz: Reals
+    lab: Reals
+    whiteness: float
+    tint: float
+    is_white: bool
+    yellowness: float
+
+
+def colour(nm: npt.ArrayLike, reflectance: npt.ArrayLike, illuminant: str = "D65") -> Colour:
+    """Colour, whiteness and yellowness of one outer reflectance; `illuminant` as for `lab`.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> round(pigment.colour([380, 780], [0.9, 0.9], "D65/10").whiteness, 6)
+    90.0
+    """
+    wavelengths, r = real("nm", nm, positive=True), real("reflectance", reflectance, minimum=0)
+    figures, white = _aureole.pigment_figures(wavelengths.tolist(), r.tolist(), checked_text("illuminant", illuminant))
+    return Colour(np.array(figures[:3]), np.array(figures[3:6]), figures[6], figures[7], white, figures[8])
+
+
+class Comparison(NamedTuple):
+    """A sample against a standard, sample minus standard.
+
+    Attributes
+    ----------
+    lab, chroma, hue : numpy.ndarray, float, float
+        Differences in L*, a*, b*, in chroma and in hue (Delta H*).
+    cie1976, cmc, cie94, ciede2000, din99o : float
+        Colour differences.
+    strength, strength_nm, strength_summed, strength_weighted : float
+        Ratio of K/S at the standard's maximum of absorption, this wavelength, and ratios of sums of K/S, plain and weighted
+        by observer and illuminant; NaN where K/S cannot be told (`no_strength` says why).
+    tone : numpy.ndarray
+        Differences in L*, C*, H* that remain at equal strength: the tint tone; `tone_ciede2000` is their CIEDE2000.
+    metamerism : dict
+        Special metamerism index (Delta E*ab), by illuminant or observer.
+    """
+
+    lab: Reals
+    chroma: float
+    hue: float
+    cie1976: float
+    cmc: float
+    cie94: float
+    ciede2000: float
+    din99o: float
+    strength: float
+    strength_nm: float
+    strength_summed: float
+    strength_weighted: float
+    tone: Reals
+    tone_ciede2000: float
+    metamerism: Dict[str, float]
+    no_strength: str
+
+
+def compare(nm: npt.ArrayLike, standard: npt.ArrayLike, sample: npt.ArrayLike, *, illuminant: str = "D65",
+            others: Sequence[str] = ("A", "F11"), cmc: Tuple[float, float] = (2, 1), textiles: bool = False,
+            white: Union[npt.ArrayLike, None] = None, surface: Surface = Surface()) -> Comparison:
+    """The figures of the trade for a measured sample and its standard, as `aureole pigment colour` prints them.
+
+    Parameters
+    ----------
+    nm, standard, sample : array_like
+        Wavelengths, and outer reflectances at them.
+    illuminant : str
+        As for `lab`: "D65/10" is the norm of paints.
+    others : sequence of str
+        Illuminants and observers of the metamerism indices: "A/10", or "D65/2" for a change of observer.
+    cmc : tuple of float
+        l and c of CMC(l:c).
+    textiles : bool
+        CIE94 with the factors of textiles instead of those of graphic arts.
+    white : array_like, optional
+        Reflectance without colorant, whose K/S is subtracted for the strength.
+    surface : Surface
+        The interface through which all were measured; K/S is of the reflectance below it.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> twice = pigment.compare([400, 700], pigment.opaque_reflectance([0.5, 0.5]), pigment.opaque_reflectance([1, 1]))
+    >>> round(twice.strength, 9), round(twice.tone_ciede2000, 9)
+    (2.0, 0.0)
+    """
+    wavelengths = real("nm", nm, positive=True)
+    first, second = real("standard", standard, minimum=0), real("sample", sample, minimum=0)
+    base = np.array([]) if white is None else real("white", white, minimum=0)
+    for name, values in (("standard", first), ("sample", second)) + ((("white", base),) if white is not None else ()):
+        if values.shape != wavelengths.shape:
+            raise Error(f"{name}: expected {wavelengths.size} values, one for each wavelength, got shape {values.shape}")
+    names = list(others)
+    lightness, chroma = (scalar("cmc", v, positive=True) for v in cmc)
+    figures, indices, reason = _aureole.pigment_compare(
+        wavelengths.tolist(), first.tolist(), second.tolist(), checked_text("illuminant", illuminant), names, lightness, chroma,
+        flag("textiles", textiles), base.tolist(), (surface.seen, surface.through, surface.k2))
+    f = figures
+    return Comparison(np.array(f[:3]), f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], np.array(f[14:17]), f[17],
+                      dict(zip(names, indices)), reason)
 
 
 @dataclass(frozen=True)
@@ -326,6 +464,15 @@ class Paint:
             return math.inf
         return float(_aureole.pigment_hiding_thickness(
             lambda x: self.contrast_ratio(x, black=black, white=white, illuminant=illuminant), 1 / rate, wanted))
+
+
+    def spreading_rate(self, solids: float, *, ratio: float = 0.98, black: float = 0.0, white: float = 0.8, illuminant: str = "D65") -> float:
+        """Area that a litre of wet paint hides [m^2], at this contrast ratio; of a paint with K and S in 1/m.
+
+        `solids` is the volume of the dry film per volume of wet paint, in (0, 1].
+        """
+        dry = scalar("solids", solids, positive=True, maximum=1)
+        return 1e-3 * dry / self.hiding_thickness(ratio=ratio, black=black, white=white, illuminant=illuminant)
 
 
 def grain_names() -> List[str]:
@@ -418,13 +565,36 @@ def paint_of_grains(nm: npt.ArrayLike, index: Union[str, npt.ArrayLike], radius:
 
 @dataclass(frozen=True)
 class Match:
-    """A recipe: shares by mass, CIEDE2000 to the target under the illuminant and under others, rms of R, and the reflectance."""
+    """A recipe for a colour.
+
+    Attributes
+    ----------
+    recipe : dict
+        Share of each paint by mass.
+    difference : float
+        CIEDE2000 to the target under the illuminant.
+    metamerism : dict
+        CIEDE2000 under the other illuminants, if the target is a reflectance.
+    rms : float
+        Of the difference in reflectance, if the target is one.
+    reflectance : numpy.ndarray
+    cost : float
+        Per mass of the mixture; 0 without prices.
+    contrast : float
+        Contrast ratio over black and white at the thickness; 1 for opaque layers.
+    dosing : dict
+        CIEDE2000 of 1 % too much of a paint; `dosing_error` is that of independent errors of 1 % of all.
+    """
 
     recipe: Dict[str, float]
     difference: float
     metamerism: Dict[str, float]
     rms: float
     reflectance: Reals
+    cost: float = 0.0
+    contrast: float = 1.0
+    dosing: Dict[str, float] = field(default_factory=dict)
+    dosing_error: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -492,8 +662,11 @@ class Palette:
         return Paint(self.nm, fractions @ np.maximum(self.k, 0), fractions @ np.maximum(self.s, 0), self.surface)
 
     def match(self, target: npt.ArrayLike, *, paints: int = 3, solutions: int = 5, illuminant: str = "D65",
-              others: Sequence[str] = ("A", "F11"), least: Mapping[str, float] = {}, most: Mapping[str, float] = {}) -> List[Match]:
-        """Recipes of at most `paints` paints, opaque, best first.
+              others: Sequence[str] = ("A", "F11"), least: Mapping[str, float] = {}, most: Mapping[str, float] = {},
+              by: str = "colour", prices: Mapping[str, float] = {}, apart: Sequence[Tuple[str, str]] = (), smallest: float = 1e-4,
+              thickness: float = math.inf, substrate: npt.ArrayLike = 1.0, opacity: float = 0.0, trade_offs: bool = False,
+              within: float = 1.0) -> List[Match]:
+        """Recipes of at most `paints` paints, best first.
 
         Parameters
         ----------
@@ -504,23 +677,60 @@ class Palette:
             Most paints of a recipe, 1 to 6; most recipes.
         least, most : mapping of str to float
             Bounds of a paint's share.
+        by : str
+            What recipes minimise: "colour" (under the illuminant), "lamps" (under all of them) or "spectrum" (rms).
+        prices : mapping of str to float
+            Price of every paint that may be used, per mass.
+        apart : sequence of pairs of str
+            Paints that no recipe has together.
+        smallest : float
+            Smallest share of a paint that can be dosed.
+        thickness : float
+            Of the layer, in the inverse unit of K and S; opaque by default.
+        substrate : array_like
+            Inner reflectance below such a layer.
+        opacity : float
+            Least contrast ratio over black and white (0.8) at that thickness.
+        trade_offs : bool
+            Return recipes with a difference of at most `within` of which no other one is better in colour, cost and
+            metamerism at once.
         """
         wanted = real("target", target)
         if wanted.shape not in ((3,), self.nm.shape):
             raise Error(f"target: expected 3 numbers (L*, a*, b*) or {self.nm.size} (a reflectance), got shape {wanted.shape}")
         spectral = wanted.shape == self.nm.shape
+        choice("by", by, "colour", "lamps", "spectrum")
+
+        def index(name: str, paint: str) -> int:
+            if paint not in self.names:
+                raise Error(f"{name}: unknown paint {paint!r}; there are {', '.join(self.names)}")
+            return self.names.index(paint)
+
         bounds = []
         for name, given, default in (("least", least, 0.0), ("most", most, 1.0)):
             values = [default] * len(self.names)
             for paint, share in given.items():
-                if paint not in self.names:
-                    raise Error(f"{name}: unknown paint {paint!r}; there are {', '.join(self.names)}")
-                values[self.names.index(paint)] = scalar(name, share, minimum=0, maximum=1)
+                values[index(name, paint)] = scalar(name, share, minimum=0, maximum=1)
             bounds.append(values)
+        costs: List[float] = []
+        if prices:
+            for paint in prices:
+                index("prices", paint)
+            missing = [paint for paint, most_ in zip(self.names, bounds[1]) if most_ > 0 and paint not in prices]
+            if missing:
+                raise Error(f"prices: there is no price of {missing[0]!r}")
+            costs = [scalar("prices", prices.get(paint, 0.0), minimum=0) for paint in self.names]
+        pairs = [(index("apart", one), index("apart", other)) for one, other in apart]
+        depth = math.inf if math.isinf(thickness) else scalar("thickness", thickness, positive=True)
+        below = np.atleast_1d(real("substrate", substrate, minimum=0, maximum=1))
         found = _aureole.pigment_match(self._parts(), [] if spectral else wanted.tolist(), wanted.tolist() if spectral else [],
-                                       paints, solutions, illuminant, list(others), *bounds)
+                                       paints, solutions, illuminant, list(others), bounds[0], bounds[1], by, costs, pairs,
+                                       scalar("smallest", smallest, minimum=0), depth, below.tolist(),
+                                       scalar("opacity", opacity, minimum=0), flag("trade_offs", trade_offs),
+                                       scalar("within", within, positive=True))
         return [Match({n: f for n, f in zip(self.names, fractions) if f > 0}, difference, dict(zip(others, differences)), rms,
-                      np.array(reflectance)) for fractions, difference, differences, rms, reflectance in found]
+                      np.array(reflectance), cost, contrast, {n: d for n, f, d in zip(self.names, fractions, dosing) if f > 0}, total)
+                for fractions, difference, differences, rms, reflectance, cost, contrast, dosing, total in found]
 
 
 @contextlib.contextmanager
@@ -546,30 +756,42 @@ def _table(file: Union[str, "os.PathLike[str]"]) -> Iterator[str]:
             raise Error(str(error).replace(text, name)) from None
 
 
+Files = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]]]
+
+
+def _names(files: Files) -> List[str]:
+    one = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    if not one:
+        raise Error("file: expected at least one file")
+    return [os.fspath(name) for name in one]
+
+
 def _note(file: Union[str, "os.PathLike[str]"], notes: Sequence[str]) -> None:
     for note in notes:
         warnings.warn(f"{os.fspath(file)}: {note}", stacklevel=3)
 
 
-def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
+def fit(file: Files, *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
     """K and S of the paints of a table of measured samples, .csv, CGATS.17, .cxf, .json or a spreadsheet (docs/pigments.md).
 
     Parameters
     ----------
-    file : str or path
-        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Spreadsheets need the package python-calamine. What reading
+    file : str or path, or a sequence of them
+        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Several files make one table. Spreadsheets need the package python-calamine. What reading
         assumed, such as per cent without a unit, is a warning.
     white : str
         The paint that tints are made with.
     surface : Surface, optional
-        What the measurements were seen through; without one reflectances are taken as they are.
+        What the measurements were seen through; without one it is that of the geometry that the file states (CxF, CGATS), for
+        an index of 1.5, or none.
     """
-    name = os.fspath(file)
-    if surface is None:
-        surface = Surface(*_aureole.pigment_kimera_surface()) if name == "kimera" else Surface()
-    with _table(file) as table:
-        parts, notes = _aureole.pigment_fit(table, white, (surface.seen, surface.through, surface.k2))
-    _note(file, notes)
+    names = _names(file)
+    if surface is None and names == ["kimera"]:
+        surface = Surface(*_aureole.pigment_kimera_surface())
+    with contextlib.ExitStack() as stack:
+        tables = [stack.enter_context(_table(name)) for name in names]
+        parts, notes = _aureole.pigment_fit(tables, white, None if surface is None else (surface.seen, surface.through, surface.k2))
+    _note(", ".join(names), notes)
     return Palette._of(parts)
 
 
@@ -619,7 +841,7 @@ class JointFit(NamedTuple):
     held_out: List[HeldOut]
 
 
-def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", surface: Surface = Surface(), index: float = 1.5,
+def joint_fit(file: Files, *, theory: str = "streams", surface: Surface = Surface(), index: float = 1.5,
               g: float = 0.8, geometry: str = "d8", specular: str = "excluded", noise: float = 0.01,
               thickness_error: float = 0.15, amount_error: float = 0.1,
               hold_out: Union[str, int, Sequence[str], None] = None) -> JointFit:
@@ -627,7 +849,7 @@ def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", 
 
     Parameters
     ----------
-    file : str or path
+    file : str or path, or a sequence of them
         As for `fit`; films over cards need no thickness.
     theory : str
         "two-flux", seen through `surface`, or "streams", in a binder of `index` with mean cosine `g`, by an instrument of
@@ -644,18 +866,20 @@ def joint_fit(file: Union[str, "os.PathLike[str]"], *, theory: str = "streams", 
     choice("geometry", geometry, "diffuse", "d8", "45_0")
     choice("specular", specular, "included", "excluded")
     words = [] if hold_out is None else [str(hold_out)] if isinstance(hold_out, (str, int)) else list(hold_out)
-    with _table(file) as table:
+    files = _names(file)
+    with contextlib.ExitStack() as stack:
+        tables = [stack.enter_context(_table(name)) for name in files]
         parts, ratios, specimens, held, notes = _aureole.pigment_joint_fit(
-            table, (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
+            tables, (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
             scalar("g", g, minimum=-0.95, maximum=0.95), geometry, specular, scalar("noise", noise, minimum=1e-5, maximum=0.2),
             scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),
             words)
-    _note(file, notes)
+    _note(", ".join(files), notes)
     palette = Palette._of(parts)
     predictions = []
     for name, samples, measured, predicted, error, reason in held:
         if reason:
-            raise Error(f"{os.fspath(file)}: {name}: {reason}")
+            raise Error(f"{', '.join(files)}: {name}: {reason}")
         seen, told = np.array(measured), np.array(predicted)
         difference = float(ciede2000(lab(palette.nm, seen), lab(palette.nm, np.maximum(told, 0))).mean())
         predictions.append(HeldOut(name, tuple(samples), seen, told, np.array(error), difference))

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paints: layers, interfaces, fits, recipes. aureole/pigment.py checks the arguments and shapes the results.
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "aureole/core/error.h"
 #include "aureole/core/parallel.h"
+#include "aureole/instrument/paint/colour_figures.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/optics/medium/spectral_table.h"
@@ -94,14 +98,22 @@ void pigment_coefficients(const Reals& r, const Reals& t, const Reals& thickness
   });
 }
 
-/// Rows of three numbers.
-void difference(const Array<const double, 2>& a, const Array<const double, 2>& b,
-                const Array<double>& result) {
+/// Differences of rows L*, a*, b* by a formula; other names than these are CIEDE2000; l and c are those of CMC.
+void difference(const Array<const double, 2>& a, const Array<const double, 2>& b, const std::string& formula,
+                double l, double c, const Array<double>& result) {
+  using pigment::Lab;
   const std::size_t n = result.size();
-  require_size(a.shape(0) == n && b.shape(0) == n && a.shape(1) == 3 && b.shape(1) == 3, "ciede2000");
+  require_size(a.shape(0) == n && b.shape(0) == n && a.shape(1) == 3 && b.shape(1) == 3, "difference");
+  pigment::DifferenceFormula by = pigment::ciede2000;
+  if (formula == "cie1976") by = pigment::cie1976;
+  if (formula == "cmc") by = [=](const Lab& p, const Lab& q) { return pigment::cmc(p, q, l, c); };
+  if (formula == "cie94") by = [](const Lab& p, const Lab& q) { return pigment::cie94(p, q); };
+  if (formula == "cie94_textiles")
+    by = [](const Lab& p, const Lab& q) { return pigment::cie94(p, q, pigment::Cie94::textiles); };
+  if (formula == "din99o") by = pigment::din99o;
   for_each(n, [&](std::size_t i) {
     const double *p = a.data() + 3 * i, *q = b.data() + 3 * i;
-    result.data()[i] = pigment::ciede2000({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
+    result.data()[i] = by({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
   });
 }
 
@@ -229,13 +241,25 @@ SurfaceNumbers saunderson(double k1, double k2, const std::string& specular) {
 
 using Names = std::vector<std::string>;
 
-/// The palette, and what reading the file assumed.
-std::tuple<PaletteParts, Names> fit(const std::string& file, const std::string& white,
-                                    const SurfaceNumbers& surface) {
+/// The palette, and what reading the files assumed. Without a surface that of the geometry that they state, for an
+/// index of 1.5, or none.
+std::tuple<PaletteParts, Names> fit(const Names& files, const std::string& white,
+                                    const std::optional<SurfaceNumbers>& surface) {
   const Unlocked release;
-  const pigment::SampleTable table = read_sample_file(file);
-  return {parts_of(fit_file(file, table, {.surface = surface_of(surface), .white = white}).palette),
-          table.notes};
+  const pigment::SampleTable table = read_sample_files(files);
+  Names notes = table.notes;
+  pigment::Surface seen;
+  if (surface) {
+    seen = surface_of(*surface);
+  } else if (const pigment::Instrument& by = table.instrument; !by.geometry.empty()) {
+    seen = pigment::smooth_surface(
+        1.5, pigment::geometry_called(by.geometry),
+        by.specular == "included" ? pigment::Specular::included : pigment::Specular::excluded);
+    notes.push_back("was measured at the geometry " + by.geometry +
+                    (by.specular.empty() ? "" : ", specular " + by.specular) +
+                    ": the interface of index 1.5 is taken off; surface=Surface() takes none off");
+  }
+  return {parts_of(fit_file(files.front(), table, {.surface = seen, .white = white}).palette), notes};
 }
 
 /// Name, rms, weight, thickness and its error, and for each paint of a mixture: name, factor, error.
@@ -247,12 +271,12 @@ using HeldOutParts = std::tuple<std::string, Names, Table, Table, Table, std::st
 /// The palette, errors of ln(K/S), specimens, specimens kept back, and what reading the file assumed. `hold_out` has
 /// names of specimens, or "each", or a number of groups.
 std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutParts>, Names> joint_fit(
-    const std::string& file, const SurfaceNumbers& surface, bool streams, double index, double g,
+    const Names& files, const SurfaceNumbers& surface, bool streams, double index, double g,
     const std::string& geometry, const std::string& specular, double noise, double thickness, double amount,
     const Names& hold_out) {
   const Unlocked release;
-  const pigment::SampleTable table = read_sample_file(file);
-  return located_in(file, table, [&] {
+  const pigment::SampleTable table = read_sample_files(files);
+  return located_in(files.front(), table, [&] {
     pigment::JointSettings settings;
     settings.noise = noise, settings.thickness = thickness, settings.dose = amount;
     const auto how = pigment::geometry_called(geometry);
@@ -288,6 +312,43 @@ std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutP
   });
 }
 
+/// X, Y, Z, then L*, a*, b*, whiteness, tint and yellowness, NaN where they are not defined, and whether the
+/// reflectance is a white.
+std::tuple<Numbers, bool> figures(const Numbers& nm, const Numbers& reflectance, const std::string& viewing) {
+  const ColourFigures f = naming("reflectance", [&] { return colour_figures(nm, reflectance, viewing); });
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  return {{f.xyz[0], f.xyz[1], f.xyz[2], f.lab.l, f.lab.a, f.lab.b,
+           f.whiteness ? f.whiteness->whiteness : nothing, f.whiteness ? f.whiteness->tint : nothing,
+           f.yellowness.value_or(nothing)},
+          f.whiteness && f.whiteness->is_valid};
+}
+
+/// Differences in L*, a*, b*, C*, H*; the five formulas; strength at the maximum, its wavelength, summed, weighted;
+/// differences of the tint tone in L*, C*, H* and CIEDE2000, NaN without a strength; the metamerism indices; and why
+/// there is no strength.
+std::tuple<Numbers, Numbers, std::string> compare(const Numbers& nm, const Numbers& standard,
+                                                  const Numbers& sample, const std::string& viewing,
+                                                  const std::vector<std::string>& others, double cmc_l,
+                                                  double cmc_c, bool textiles, const Numbers& white,
+                                                  const SurfaceNumbers& surface) {
+  const ColourSettings settings{.viewing = viewing,
+                                .others = others,
+                                .cmc_l = cmc_l,
+                                .cmc_c = cmc_c,
+                                .cie94 = textiles ? pigment::Cie94::textiles : pigment::Cie94::graphic_arts,
+                                .strength = {surface_of(surface), white}};
+  const ColourComparison c =
+      naming("sample", [&] { return compare_colours(nm, standard, sample, settings); });
+  Numbers all{c.lab.l, c.lab.a, c.lab.b, c.lch.c, c.lch.h, c.cie1976, c.cmc, c.cie94, c.ciede2000, c.din99o};
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  if (c.strength)
+    all.insert(all.end(), {c.strength->at_maximum, c.strength->nm, c.strength->summed, c.strength->weighted,
+                           c.tone.l, c.tone.c, c.tone.h, c.tone_ciede2000});
+  else
+    all.insert(all.end(), 8, nothing);
+  return {all, c.metamerism, c.no_strength};
+}
+
 /// L*, a*, b* of reflectances, a row each.
 Table lab(const Numbers& nm, const Table& reflectances, const std::string& illuminant) {
   const pigment::Observation lamp = observe(illuminant, nm);
@@ -299,13 +360,17 @@ Table lab(const Numbers& nm, const Table& reflectances, const std::string& illum
   return rows;
 }
 
-/// Fractions, difference, differences under other lamps, rms and reflectance of each solution.
-using Solution = std::tuple<Numbers, double, Numbers, double, Numbers>;
+/// Fractions, difference, differences under other lamps, rms and reflectance of each solution, its cost, contrast ratio
+/// and colour differences of 1 % more of each paint and of all.
+using Solution = std::tuple<Numbers, double, Numbers, double, Numbers, double, double, Numbers, double>;
 
 std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab, const Numbers& target,
                             int paints, int solutions, const std::string& illuminant,
-                            const std::vector<std::string>& others, const Numbers& least,
-                            const Numbers& most) {
+                            const std::vector<std::string>& others, const Numbers& least, const Numbers& most,
+                            const std::string& by, const Numbers& price,
+                            const std::vector<std::pair<std::size_t, std::size_t>>& apart, double smallest,
+                            double thickness, const Numbers& substrate, double opacity, bool trade_offs,
+                            double within) {
   const Unlocked release;
   const pigment::Palette palette = palette_of(parts);
   const pigment::Observation lamp = observe(illuminant, palette.nm);
@@ -313,8 +378,21 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
   for (const std::string& name : others) lamps.push_back(observe(name, palette.nm));
   pigment::MatchTarget wanted;
   wanted.reflectance = target;
-  pigment::MatchSettings settings;
-  settings.max_paints = paints, settings.solutions = solutions, settings.least = least, settings.most = most;
+  const pigment::MatchSettings settings{.max_paints = paints,
+                                        .solutions = solutions,
+                                        .least = least,
+                                        .most = most,
+                                        .thickness = thickness,
+                                        .substrate = substrate,
+                                        .by = by == "lamps"      ? pigment::MatchBy::lamps
+                                              : by == "spectrum" ? pigment::MatchBy::spectrum
+                                                                 : pigment::MatchBy::colour,
+                                        .forbidden = apart,
+                                        .smallest = smallest,
+                                        .price = price,
+                                        .least_contrast = opacity,
+                                        .trade_offs = trade_offs,
+                                        .within = within};
   return naming("match", [&] {
     wanted.lab = target.empty() ? pigment::Lab{target_lab.at(0), target_lab.at(1), target_lab.at(2)}
                                 : lamp.lab(target);
@@ -323,7 +401,8 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
       for_ranges(n, body, grain);
     };
     for (const pigment::Match& m : pigment::match(palette, wanted, lamp, lamps, settings, threads))
-      all.emplace_back(m.fractions, m.difference, m.differences, m.rms, m.reflectance);
+      all.emplace_back(m.fractions, m.difference, m.differences, m.rms, m.reflectance, m.cost, m.contrast,
+                       m.dosing, m.dosing_error);
     return all;
   });
 }
@@ -369,7 +448,8 @@ void bind_pigment(nb::module_& m) {
                     [&](double x) { return pigment::inner_reflectance(surface_of(s), x); });
       },
       arg("surface"), arg("outer"), arg("result").noconvert());
-  m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("result").noconvert());
+  m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("formula"), arg("l"), arg("c"),
+        arg("result").noconvert());
   m.def("pigment_two_flux_error", &two_flux_error, arg("albedo"), arg("thickness"), arg("g"), arg("index"),
         arg("substrate"), arg("convention"), arg("result").noconvert());
   m.def("pigment_conventions", &pigment::convention_names);
@@ -381,8 +461,8 @@ void bind_pigment(nb::module_& m) {
       },
       arg("contrast"), arg("start"), arg("target"));
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
-  m.def("pigment_fit", &fit, arg("file"), arg("white"), arg("surface"));
-  m.def("pigment_joint_fit", &joint_fit, arg("file"), arg("surface"), arg("streams"), arg("index"), arg("g"),
+  m.def("pigment_fit", &fit, arg("files"), arg("white"), arg("surface").none());
+  m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface"), arg("streams"), arg("index"), arg("g"),
         arg("geometry"), arg("specular"), arg("noise"), arg("thickness"), arg("amount"), arg("hold_out"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
   m.def(
@@ -394,9 +474,14 @@ void bind_pigment(nb::module_& m) {
         return recipe_fractions(palette_of(palette), recipe, false, "recipe");
       },
       arg("palette"), arg("recipe"));
+  m.def("pigment_figures", &figures, arg("nm"), arg("reflectance"), arg("viewing"));
+  m.def("pigment_compare", &compare, arg("nm"), arg("standard"), arg("sample"), arg("viewing"), arg("others"),
+        arg("cmc_l"), arg("cmc_c"), arg("textiles"), arg("white"), arg("surface"));
   m.def("pigment_lab", &lab, arg("nm"), arg("reflectances"), arg("illuminant"));
   m.def("pigment_match", &match, arg("palette"), arg("lab"), arg("reflectance"), arg("paints"),
-        arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"));
+        arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"), arg("by"),
+        arg("price"), arg("apart"), arg("smallest"), arg("thickness"), arg("substrate"), arg("opacity"),
+        arg("trade_offs"), arg("within"));
 }
 
 }  // namespace aureole::python

@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "harness/paths.h"
 #include "loading/load_text.h"
@@ -106,10 +108,106 @@ TEST_F(PigmentCli, TablesOfTheirOwn) {
   EXPECT_NEAR(json("fit.json")["pigments"][0]["s"][0], 1e5, 1e-3);
   ASSERT_EQ(run("hide white_paint.csv chalk --white 1 --json hide.json"), 0) << said;
   EXPECT_NEAR(json("hide.json")["hiding_thickness"], 49e-5, 1e-9);
+  // A litre with 49 % of solids covers 1 m^2 to 490 um; at 2 m^2/l S X is 24.5: R = SX/(1 + SX) over black.
+  ASSERT_EQ(run("hide white_paint.csv chalk --white 1 --solids 0.49 --spreading-rate 2 --json hide.json"), 0)
+      << said;
+  EXPECT_NEAR(json("hide.json")["spreading_rate"], 1, 1e-9);
+  EXPECT_NEAR(json("hide.json")["at_spreading_rate"]["contrast_ratio"], 24.5 / 25.5, 1e-9);
+  fails("hide white_paint.csv chalk --spreading-rate 2", "--spreading-rate: needs --solids");
+  fails("hide kimera white --solids 0.4", "--solids: a spreading rate needs K and S per metre");
   write("white.json", R"({"unit": "percent", "wavelengths_nm": [400, 700], "samples": [
     {"paints": "chalk", "values": [90, 90]}, {"paints": "red", "values": [30, 50]}, {"paints": {"red": 1, "chalk": 3}, "values": [50, 70]}]})");
   ASSERT_EQ(run("fit white.json --white chalk"), 0) << said;
   EXPECT_NE(said.find("2 paints, 3 measurements"), std::string::npos) << said;
+}
+
+TEST_F(PigmentCli, RecipesWithCostOpacityAndLimits) {
+  write("prices.csv", "paint,price\nwhite,2\nred,20\nred oxide,3\ncold yellow,12\nblack,2\nsnow,1\n");
+  const std::string only = " --only white --only red --only 'red oxide' --only 'cold yellow' --only black";
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only + " --prices prices.csv --json m.json"), 0) << said;
+  EXPECT_NE(said.find("note: prices.csv:7: the palette has no paint \"snow\""), std::string::npos) << said;
+  const std::map<std::string, double> prices{
+      {"white", 2}, {"red", 20}, {"red oxide", 3}, {"cold yellow", 12}, {"black", 2}};
+  for (const auto& m : json("m.json")["solutions"]) {
+    double cost = 0;
+    for (const auto& [name, share] : m["recipe"].items()) cost += prices.at(name) * share.get<double>();
+    EXPECT_NEAR(m["cost"], cost, 1e-9);
+    EXPECT_TRUE(m.contains("dosing_error"));
+  }
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only +
+                " --trade-offs --within 8 --prices prices.csv --json m.json"),
+            0)
+      << said;
+  EXPECT_NE(said.find("Trade-offs: "), std::string::npos);
+  for (const auto& m : json("m.json")["solutions"]) EXPECT_LE(m["difference"], 8.0);
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only + " --apart 'red, white' --json m.json"), 0) << said;
+  for (const auto& m : json("m.json")["solutions"])
+    EXPECT_FALSE(m["recipe"].contains("red") && m["recipe"].contains("white"));
+  ASSERT_EQ(run("match kimera 'lab(60,25,20)' --thickness 3 --opacity 0.95 --json m.json"), 0) << said;
+  for (const auto& m : json("m.json")["solutions"]) EXPECT_GE(m["contrast_ratio"], 0.95);
+
+  fails("match kimera teal --opacity 0.95", "a contrast ratio needs a layer with a thickness");
+  fails("match kimera teal --thickness 0.001 --opacity 0.95", "the contrast ratio of every recipe");
+  fails("match kimera teal --prices prices.csv", "prices.csv: there is no price of");
+  fails("match kimera teal --apart red", "--apart: write two paints");
+  fails("match kimera teal --apart red,snow", "--apart: unknown paint \"snow\"");
+  fails("match kimera teal --by lamps", "needs the target's reflectance");
+  write("wrong.csv", "white,cheap\n");
+  fails("match kimera teal --prices wrong.csv", "wrong.csv:1:7: expected a price per mass");
+  ASSERT_EQ(run("match kimera teal --within 2"), 0);
+  EXPECT_NE(said.find("--within: has no effect without --trade-offs"), std::string::npos);
+}
+
+/// A grey of twice the K/S: strength 200 %, no tint tone; equal curves differ in no formula.
+TEST_F(PigmentCli, ColourOfMeasuredSamples) {
+  // K/S = (1 - R)^2/(2R): 0.25 for R = 0.5, and 0.5 for R = 0.381966.
+  write(
+      "swatches.csv",
+      "sample,400,500,600,700\nmaster,0.5,0.5,0.5,0.5\nbatch,0.381966011,0.381966011,0.381966011,0.381966011\n"
+      "batch,0.381966012,0.381966012,0.381966012,0.381966012\nwhite,0.9,0.9,0.9,0.9\n");
+  ASSERT_EQ(
+      run("colour swatches.csv --standard swatches.csv#master --observer 10 --others A,D65/2 --cmc 1:1 --json c.json"),
+      0)
+      << said;
+  const auto all = json("c.json");
+  EXPECT_EQ(all["viewing"], "D65/10");
+  ASSERT_EQ(all["samples"].size(), 3u);
+  EXPECT_EQ(all["samples"][0]["difference"]["ciede2000"], 0.0);
+  const auto batch = all["samples"][1];
+  EXPECT_NEAR(batch["lab"][0], 116 * std::cbrt(0.381966) - 16, 1e-4);
+  EXPECT_NEAR(batch["difference"]["strength"]["maximum"], 2, 1e-6);
+  EXPECT_NEAR(batch["difference"]["strength"]["weighted"], 2, 1e-6);
+  EXPECT_NEAR(batch["difference"]["strength"]["tone_ciede2000"], 0, 1e-5);
+  EXPECT_NEAR(batch["difference"]["metamerism"]["D65/2"], 0, 1e-9);
+  EXPECT_NEAR(batch["difference"]["cie1976"], 116 * (std::cbrt(0.5) - std::cbrt(0.381966)), 1e-4);
+  EXPECT_NEAR(all["samples"][2]["whiteness"]["whiteness"], 90, 1e-6);
+  EXPECT_NE(said.find("CMC(1:1)"), std::string::npos) << said;
+
+  // A film over black and white: the luminous reflectance over black divided by that over white.
+  write("films.csv",
+        "sample,specimen,paints,backing,400,700\nblack,,,,0.05,0.05\nwhite,,,,0.8,0.8\n"
+        "a,1,ochre,black,0.3,0.3\nb,1,ochre,white,0.4,0.4\n");
+  ASSERT_EQ(run("colour films.csv --json c.json"), 0) << said;
+  EXPECT_NEAR(json("c.json")["samples"][2]["contrast_ratio"], 0.75, 1e-12);
+  EXPECT_FALSE(json("c.json")["samples"][0].contains("contrast_ratio"));
+  // Gloss of a surface of index 1.5 seen at 8 degrees: 4.0 %.
+  ASSERT_EQ(run("colour films.csv#a --geometry d8 --specular excluded --to-specular included --json c.json"),
+            0)
+      << said;
+  EXPECT_NEAR(json("c.json")["samples"][0]["xyz"][1], 34.0, 0.01);
+  write("lamp.txt", "# nm power\n380 1\n780 1\n");
+  ASSERT_EQ(run("colour films.csv#a --illuminant lamp.txt --observer 10 --json c.json"), 0) << said;
+  EXPECT_EQ(json("c.json")["viewing"], "lamp.txt/10");
+
+  fails("colour films.csv#c", "films.csv: no sample is called \"c\"");
+  fails("colour films.csv --standard films.csv", "--standard: expected a file and a sample in it");
+  fails("colour films.csv --to-specular included", "need the geometry of the measurements");
+  fails("colour films.csv --cmc 2", "--cmc: expected two positive numbers");
+  fails("colour films.csv --illuminant D6", "unknown illuminant \"D6\"");
+  fails("match kimera teal --observer 10", "under D65 for the 2-degree observer");
+  ASSERT_EQ(run("match kimera 'lab(50,20,10)' --observer 10 --others A,D65/2"), 0) << said;
+  ASSERT_EQ(run("mix kimera white --observer 10"), 0) << said;
+  EXPECT_NE(said.find("illuminant D65/10"), std::string::npos) << said;
 }
 
 constexpr const char* kCgats = R"(CGATS.17
@@ -223,6 +321,148 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
         "a.cxf:15:73: the tag thickness_um must be positive, got 0");
   wrong("a.cxf", replaced(kCxf, "</cc:CxF>", ""), "a.cxf:26:1: not well-formed");
   wrong("a.cxf", "<svg/>", "a.cxf:1:1: expected the element CxF");
+}
+
+/// The geometry of a CxF file is taken off; version 2 of the format has the range of wavelengths elsewhere.
+TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
+  const std::string spec = R"(<cc:MeasurementSpec>)";
+  const auto with = [&](const std::string& geometry) {
+    return replaced(kCxf, spec, spec + "<cc:GeometryChoice>" + geometry + "</cc:GeometryChoice>");
+  };
+  write("sphere.cxf", with("<cc:SphereGeometry>Specular_Included</cc:SphereGeometry>"));
+  write("plain.cxf", kCxf);
+  const auto s_of = [&](const std::string& arguments) {
+    EXPECT_EQ(run("fit " + arguments + " --json fit.json"), 0) << said;
+    return json("fit.json")["pigments"][0]["s"][1].get<double>();
+  };
+  const double sphere = s_of("sphere.cxf");
+  EXPECT_NE(
+      said.find("sphere.cxf: was measured at the geometry d8, specular included: the interface of index 1.5"),
+      std::string::npos)
+      << said;
+  EXPECT_DOUBLE_EQ(sphere, s_of("plain.cxf --geometry d8 --specular included"));
+  EXPECT_DOUBLE_EQ(s_of("sphere.cxf --geometry none"), s_of("plain.cxf"));
+  s_of("sphere.cxf --geometry 45_0");
+  EXPECT_NE(said.find("states the geometry d8, specular included; the options, which differ, are taken"),
+            std::string::npos)
+      << said;
+  write("single.cxf",
+        with("<cc:SingleAngle><cc:SingleAngleConfiguration>Annular</cc:SingleAngleConfiguration>"
+             "<cc:IlluminationAngle>45</cc:IlluminationAngle>"
+             "<cc:MeasurementAngle>0.0</cc:MeasurementAngle></cc:SingleAngle>"));
+  EXPECT_DOUBLE_EQ(s_of("single.cxf"), s_of("plain.cxf --geometry 45_0"));
+  // Version 2 has no MeasurementSpec. Values may be per cent.
+  std::string two = replaced(replaced(kCxf, "CxF3-core", "v2"), spec, "");
+  two = replaced(two, "</cc:MeasurementSpec>", "");
+  write("two.cxf", two);
+  EXPECT_DOUBLE_EQ(s_of("two.cxf"), s_of("plain.cxf"));
+  two = replaced(replaced(two, "0.80 0.82 0.84", "80 82 84"), "0.81 0.825 0.85", "81 82.5 85");
+  write("percent.cxf", replaced(two, "0.40 0.45\n      0.50", "40 45\n      50"));
+  EXPECT_NEAR(s_of("percent.cxf") / s_of("two.cxf"), 1, 1e-12);
+  write("cgats.cgats",
+        "MEASUREMENT_GEOMETRY \"45/0\"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME nm400 nm700\nEND_DATA_FORMAT\n"
+        "BEGIN_DATA\nwhite .9 .8\nEND_DATA\n");
+  EXPECT_EQ(run("fit cgats.cgats"), 0);
+  EXPECT_NE(said.find("was measured at the geometry 45_0, specular excluded"), std::string::npos) << said;
+
+  ASSERT_EQ(run("colour plain.cxf --standard sphere.cxf#chalk"), 0) << said;
+  EXPECT_NE(said.find("state different geometries"), std::string::npos) << said;
+  write("a.cxf", with("<cc:MultiAngle/>"));
+  fails("fit a.cxf", "measurements at several angles");
+  write("a.cxf", with("<cc:SingleAngle><cc:IlluminationAngle>15</cc:IlluminationAngle></cc:SingleAngle>"));
+  fails("fit a.cxf", "SingleAngle needs MeasurementAngle");
+}
+
+TEST_F(PigmentCli, TablesAsLaboratoriesKeepThem) {
+  // A free film by R and T columns, with leading columns that are not needed.
+  // R and T of K = 0: R = SX/(1 + SX) with S X = 1.
+  write(
+      "film.csv",
+      "Lot,Tester,paint,thickness_um,R400,R550,R700,T400,T550,T700\n7,jd,chalk,10,0.5,0.5,0.5,0.4999,0.4999,0.4999\n");
+  ASSERT_EQ(run("fit film.csv --json fit.json"), 0) << said;
+  EXPECT_EQ(json("fit.json")["pigments"][0]["fit"]["method"], "free film");
+  EXPECT_NEAR(json("fit.json")["pigments"][0]["s"][1], 1e5, 100);
+  EXPECT_NE(said.find("the column \"Lot\" is not used"), std::string::npos) << said;
+  write("misspelt.csv", "samplle,paints,400,500\na,white,0.8,0.8\n");
+  fails("fit misspelt.csv", "misspelt.csv:1:1: unknown column \"samplle\"");
+
+  // Missing cells: one between neighbours, one at an end.
+  const std::string head = "paints,400,440,460,480,600,700\n";
+  write(
+      "gaps.csv",
+      head +
+          "white,0.7,0.8,,0.9,0.9,0.9\nred,,0.3,0.35,0.4,0.5,0.6\nred: 1 + white: 1,0.4,0.4,0.45,0.5,0.6,0.7\n");
+  ASSERT_EQ(run("fit gaps.csv --json fit.json"), 0) << said;
+  EXPECT_NE(said.find("1 missing value is interpolated; the first: line 2, \"white\" at 460 nm"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find("1 wavelengths at the ends, which a sample lacks, are left out: 440 to 700 nm remain"),
+            std::string::npos)
+      << said;
+  // White is opaque: K/S = (1 - R)^2/(2 R), S = 1; at 460 nm R is the mean of 0.8 and 0.9.
+  EXPECT_NEAR(json("fit.json")["pigments"][0]["k"][1], 0.15 * 0.15 / 1.7, 1e-12);
+  // A gap of one sample that reaches over the end of another.
+  write("ends.csv",
+        "paints,400,440,480,520,560,600,640,680,720\nwhite,0.8,0.8,0.8,0.8,0.8,0.8,0.8,,0.9\n"
+        "red,0.1,0.1,0.1,0.1,0.1,0.3,0.5,0.6,\nred: 1 + white: 1,0.4,0.4,0.4,0.4,0.4,0.5,0.6,0.7,0.7\n");
+  fails("fit ends.csv", "ends.csv:2:35: sample \"white\" has no value at 680 nm");
+  write("wide.csv", "paints,400,450,500\nwhite,0.8,,0.9\n");
+  fails("fit wide.csv", "wide.csv:2:11: sample \"white\" has no value at 450 nm");
+
+  // A file for each drawdown, each with cards of its own; the fit of both is that of one table.
+  const auto file = [&](const std::string& name, const std::string& paint, double dark, double bright,
+                        double black, double white) {
+    std::ostringstream text;
+    text << "sample,paints,backing,thickness_um,400,550,700\n";
+    const auto line = [&](const std::string& start, double r) {
+      text << start << ',' << r << ',' << r << ',' << r << '\n';
+    };
+    line("black,,,", black), line("white,,,", white);
+    line("x," + paint + ",black,20", dark), line("y," + paint + ",white,20", bright);
+    write(name, text.str());
+  };
+  file("a.csv", "ochre", 0.2, 0.4, 0.05, 0.8), file("b.csv", "umber", 0.1, 0.2, 0.04, 0.78);
+  ASSERT_EQ(run("fit a.csv b.csv --json fit.json"), 0) << said;
+  const auto both = json("fit.json")["pigments"];
+  ASSERT_EQ(both.size(), 2u);
+  for (const auto& [name, index] : {std::pair{"a.csv", 0}, {"b.csv", 1}}) {
+    ASSERT_EQ(run("fit " + std::string(name) + " --json fit.json"), 0) << said;
+    EXPECT_DOUBLE_EQ(both[std::size_t(index)]["s"][0], json("fit.json")["pigments"][0]["s"][0]) << name;
+  }
+  ASSERT_EQ(run("fit a.csv b.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("2 paints, 2 specimens"), std::string::npos) << said;
+  file("b.csv", "umber", 0.1, 1.2, 0.04, 0.78);
+  fails("fit a.csv b.csv", "b.csv:5:18: sample \"y\" at 400 nm: reflectance 1.2");
+}
+
+TEST_F(PigmentCli, WhatDataCannotTell) {
+  const std::string head = "sample,paints,backing,thickness_um,400,550,700\n";
+  write(
+      "alike.csv",
+      head +
+          "p,,,,0.80,0.80,0.80\nq,,,,0.82,0.82,0.82\na,ochre,p,20,0.4,0.4,0.4\nb,ochre,q,20,0.41,0.41,0.41\n");
+  fails("fit alike.csv",
+        "its substrates \"p\" and \"q\" reflect nearly the same (0.8 and 0.82 at 550 nm): two that differ");
+  ASSERT_EQ(run("fit alike.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("the cards below"), std::string::npos) << said;
+  write("one.csv", "sample,paints,backing,400,550,700\np,,,0.80,0.80,0.80\na,ochre,p,0.4,0.4,0.4\n");
+  ASSERT_EQ(run("fit one.csv --joint"), 0) << said;
+  EXPECT_NE(
+      said.find(
+          "the paint \"ochre\" was measured alone and over one card: only K/S is known; missing is a tint"),
+      std::string::npos)
+      << said;
+  // A thin layer by two fluxes: off by several units, and said so; a thick one of a white is not.
+  ASSERT_EQ(run("mix kimera 'red: 1 + white: 1' --thickness 0.2"), 0);
+  EXPECT_NE(said.find("two fluxes may be off by a Delta E of"), std::string::npos) << said;
+  ASSERT_EQ(run("mix kimera white --thickness 1000 --geometry none"), 0);
+  EXPECT_EQ(said.find("two fluxes may be off"), std::string::npos) << said;
+  // 12 thousand tints of one paint.
+  std::ofstream large(folder.path / "large.csv");
+  large << "paints,400,700\nwhite,0.9,0.9\n";
+  for (int i = 1; i < 12000; ++i) large << "red: " << i << " + white: 20000,0.5,0.5\n";
+  large.close();
+  fails("fit large.csv --joint", "hours; fit a part of them");
 }
 
 /// Half-spaces of isotropic scatterers under diffuse light: .478 and .795 by transport (shared/physics.md 5).

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pages docs/python.md and docs/optics.md: their examples run, in order, and what the first names exists."""
+"""The pages docs/python.md, docs/optics.md and docs/pigments.md: their examples run, in order, and what the first names exists."""
 import os
 import re
+import shlex
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -47,6 +50,26 @@ def test_optics_examples_have_their_values():
             assert f"{float(eval(expression, names)):.{len(value.split('.')[1])}f}" == value, expression  # noqa: S307
             checked += 1
     assert checked >= 3
+
+
+def test_worked_examples_of_paints_print_what_the_page_states(tmp_path):
+    """Commands below "<!-- example -->" of docs/pigments.md, and the lines that the page shows of their output."""
+    page = PAGE.with_name("pigments.md").read_text(encoding="utf-8")
+    for source in (PAGE.parent / "examples").iterdir():
+        shutil.copy(source, tmp_path)
+    examples = re.findall(r"<!-- example -->\n```sh\n(.*?)```\n\n```text\n(.*?)```", page, flags=re.DOTALL)
+    assert len(examples) == 4
+    for commands, shown in examples:
+        printed = ""
+        for command in commands.splitlines():
+            words = shlex.split(command)
+            assert words[0] == "aureole", command
+            done = subprocess.run([os.environ["AUREOLE_BINARY"], *words[1:]], cwd=tmp_path, capture_output=True, text=True)
+            assert done.returncode == 0, command + done.stderr
+            printed += done.stdout + done.stderr
+        printed = " ".join(printed.split())
+        for line in shown.splitlines():
+            assert " ".join(line.split()) in printed, f"{line}\n{printed}"
 
 
 @pytest.mark.parametrize("name", sorted(set(re.findall(r"`aureole\.([A-Za-z_][\w.]*)", TEXT))))

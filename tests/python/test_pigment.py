@@ -43,6 +43,32 @@ def test_differences():
     np.testing.assert_allclose(grey, [[116 * 0.18 ** (1 / 3) - 16, 0, 0]] * 2, atol=1e-9)
 
 
+def test_figures_of_the_trade():
+    """Numbers of tests/references/colour_figures.py; closed forms for greys."""
+    a, b = [60.2574, -34.0099, 36.2677], [60.4626, -34.1751, 39.4387]
+    for formula, value in (("cie1976", 3.181924), ("cmc", 1.420486), ("cie94", 1.390995), ("cie94_textiles", 1.389733),
+                           ("din99o", 1.710469)):
+        assert pigment.difference(a, b, formula) == pytest.approx(value, abs=1e-5)
+    assert pigment.difference(a, b, "cmc", cmc=(1, 1)) == pytest.approx(1.428230, abs=1e-5)
+    nm = np.arange(360.0, 831.0)
+    edge = 0.05 + 0.8 / (1 + np.exp(-(nm - 585) / 22)) + 0.12 * np.exp(-(((nm - 440) / 40) ** 2))
+    np.testing.assert_allclose(pigment.lab(nm, edge, "F11/10"), [63.802258, 42.712687, 31.113900], atol=4e-4)
+    white = pigment.colour(nm, 0.88 - 0.35 * np.exp(-(nm - 360) / 18), "D65/10")
+    assert white.is_white and white.whiteness == pytest.approx(86.708641, abs=1e-3)
+    assert white.yellowness == pytest.approx(0.435578, abs=1e-3)
+    assert np.isnan(pigment.colour(nm, edge, "A").yellowness)
+    seen = pigment.surface("d8", specular="included")
+    grey = [seen.outer(np.full(nm.size, pigment.opaque_reflectance(q))) for q in (0.1, 0.6, 1.1)]
+    found = pigment.compare(nm, grey[1], grey[2], illuminant="D65/10", others=["A/10", "D65/2"], white=grey[0], surface=seen)
+    assert found.strength == pytest.approx(2) and found.strength_weighted == pytest.approx(2)
+    assert found.tone_ciede2000 == pytest.approx(0, abs=1e-6) and found.metamerism["D65/2"] == pytest.approx(0, abs=1e-6)
+    assert found.cie1976 == pytest.approx(-found.lab[0])
+    with pytest.raises(aureole.Error, match="sample: expected 471 values"):
+        pigment.compare(nm, edge, [0.5])
+    with pytest.raises(aureole.Error, match="formula: expected"):
+        pigment.difference(a, b, "rgb")
+
+
 def test_from_measurements_to_a_recipe(tmp_path):
     palette = pigment.fit("kimera")
     assert len(palette.names) == 13 and palette.relative and palette.k.shape == (13, 170)
@@ -64,6 +90,30 @@ def test_from_measurements_to_a_recipe(tmp_path):
         pigment.fit(table)
 
 
+def test_recipes_with_trade_offs():
+    palette = pigment.fit("kimera")
+    wanted = palette.mix({"red": 0.15, "cold yellow": 0.05, "white": 0.8}).reflectance()
+    prices = {name: 1.0 + i for i, name in enumerate(palette.names)}
+    front = palette.match(wanted, prices=prices, trade_offs=True, within=3, solutions=50)
+    for one in front:
+        assert one.difference <= 3 and one.cost == pytest.approx(sum(prices[n] * f for n, f in one.recipe.items()))
+        for other in front:
+            assert not (other.difference < one.difference - 0.02 and other.cost < one.cost - 1e-5
+                        and max(other.metamerism.values()) < max(one.metamerism.values()) - 0.02)
+    assert all(not {"red", "white"} <= set(m.recipe) for m in palette.match(wanted, apart=[("red", "white")]))
+    assert all(min(m.recipe.values()) >= 0.05 for m in palette.match(wanted, smallest=0.05))
+    by_spectrum, by_colour = (palette.match(wanted * 0.98, by=by, solutions=1)[0] for by in ("spectrum", "colour"))
+    assert by_spectrum.rms < by_colour.rms
+    best = palette.match(wanted, solutions=1)[0]
+    assert best.dosing_error == pytest.approx(np.sqrt(sum(d**2 for d in best.dosing.values()))) and best.contrast == 1
+    hiding = palette.match(pigment.lab(palette.nm, wanted), thickness=3.0, substrate=0.8, opacity=0.95)
+    assert all(0.95 <= m.contrast < 1 for m in hiding)
+    for wrong, words in (({"prices": {"red": 1}}, "prices: there is no price"), ({"apart": [("red", "snow")]}, "apart: unknown paint"),
+                         ({"by": "name"}, "by: expected"), ({"opacity": 0.9}, "needs a layer with a thickness")):
+        with pytest.raises(aureole.Error, match=words):
+            palette.match(wanted, **wrong)
+
+
 def test_two_flux_error():
     """Transport of isotropic scatterers without an interface: R_inf of docs/pigments.md; Kubelka and Munk by their closed form."""
     albedo = np.array([[0.5], [0.9], [0.99]])
@@ -77,6 +127,12 @@ def test_two_flux_error():
     np.testing.assert_allclose(found.lightness, 116 * np.cbrt(found.reflectance) - 16, atol=1e-9)
     dark = pigment.two_flux_error(0.3, 1, 0.5, convention="diffusion")  # S is negative
     assert np.isnan(dark.error) and np.isnan(dark.lightness_error) and dark.reflectance > 0
+
+
+def test_spreading_rate():
+    """White that does not absorb hides at S X = 49 (0.98 = SX/(1 + SX)): 490 um of S = 1e5/m; half of that wet is 1.02 m^2/l."""
+    chalk = pigment.Paint(np.array([400.0, 700.0]), np.zeros(2), np.full(2, 1e5), pigment.Surface())
+    assert chalk.spreading_rate(0.5, white=1) == pytest.approx(0.5 / 0.49, rel=1e-9)
 
 
 def test_hiding():
@@ -293,6 +349,18 @@ def test_notes_are_warnings(tmp_path):
     table.write_text("paints,400,700\nwhite,90,91\n")
     with pytest.warns(UserWarning, match="taken for per cent"):
         pigment.fit(table)
+
+
+def test_several_files_and_their_geometry(tmp_path):
+    head = 'MEASUREMENT_GEOMETRY "d/8 SCI"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME PAINTS nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\n'
+    one, two = tmp_path / "one.cgats", tmp_path / "two.cgats"
+    one.write_text(head + 'a white .9 .8\nb red .1 .5\nEND_DATA\n')
+    two.write_text(head + 'c "red: 1 + white: 9" .5 .7\nEND_DATA\n')
+    with pytest.warns(UserWarning, match="d8, specular included"):
+        stated = pigment.fit([one, two])
+    given = pigment.fit([one, two], surface=pigment.surface("d8", specular="included"))
+    np.testing.assert_array_equal(stated.k, given.k)
+    assert stated.surface == given.surface and stated.names == ("white", "red")
 
 
 def _write_xlsx(path, rows):

@@ -300,6 +300,17 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
     for (const std::string& note : pigment::range_notes(table, surface.surface()))
       tell("note: {}: {}\n", file, note);
     note_single_uses(file, table);
+    constexpr double kLong = 60, kTooLong = 24 * 3600;
+    const double seconds = pigment::joint_fit_seconds(table, options.settings);
+    if (seconds > kTooLong)
+      throw Error(
+          {file, 0, 0},
+          fmt::format("a fit of these {} measurements would take some {:.0f} hours; fit a part of them, such "
+                      "as a few tints of each paint, or without --joint",
+                      table.samples.size(), seconds / 3600));
+    if (seconds > kLong)
+      tell("note: {}: a fit of {} measurements takes some {:.0f} minutes\n", file, table.samples.size(),
+           std::max(1.0, seconds / 60));
     std::vector<Candidate> candidates;
     const auto add = [&](std::unique_ptr<pigment::FilmTheory> theory) {
       Candidate& c = candidates.emplace_back();

@@ -23,8 +23,9 @@ namespace aureole {
 namespace {
 
 struct FitOptions {
-  std::string samples, white = "white", output, json, plot, plot_k, plot_s, plot_differences,
-                       illuminant = "D65";
+  std::vector<std::string> files;
+  std::string samples, white = "white", output, json, plot, plot_k, plot_s, plot_differences;
+  LightOptions light;
   SurfaceOptions surface;
   JointOptions joint;
   bool is_template = false;
@@ -156,16 +157,19 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
            did_you_mean(name, names));
 }
 
-int fit(const FitOptions& o) {
+int fit(FitOptions o) {
+  o.samples = fmt::format("{}", fmt::join(o.files, ", "));
   if (o.is_template) {
+    if (o.files.size() > 1) throw Error("--template: expected one file to write");
     if (std::filesystem::exists(o.samples)) throw Error("--template: the file " + o.samples + " exists");
     write_file_atomically(o.samples, pigment::sample_table_template());
     fmt::print("{}: an empty table with examples\n", o.samples);
     return 0;
   }
-  const pigment::SampleTable table = read_sample_file(o.samples);
+  const pigment::SampleTable table = read_sample_files(o.files);
   const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
   for (const std::string& note : table.notes) tell("note: {}: {}\n", o.samples, note);
+  o.surface.take(table.instrument, o.samples);
   note_unused(o, table);
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
@@ -176,10 +180,10 @@ int fit(const FitOptions& o) {
     if (ours) surface.geometry = "45_0";
     fmt::print("interface: {}\n", surface.text());
     const auto [palette, ratio_error] =
-        fit_jointly(o.samples, table, o.joint, surface, o.white, o.illuminant, out);
+        fit_jointly(o.samples, table, o.joint, surface, o.white, o.light.viewing(), out);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
     if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
-    write_plots(o, palette, observe(o.illuminant, palette.nm), ratio_error);
+    write_plots(o, palette, observe(o.light.viewing(), palette.nm), ratio_error);
     if (!o.plot_differences.empty()) tell("note: --plot-differences: is not drawn with --joint\n");
     return 0;
   }
@@ -209,10 +213,10 @@ int fit(const FitOptions& o) {
   for (std::size_t i = 0; i < found.reports.size(); ++i)
     out["pigments"][i]["fit"] = report_json(found.reports[i]);
 
-  const pigment::Observation lamp = observe(o.illuminant, palette.nm);
+  const pigment::Observation lamp = observe(o.light.viewing(), palette.nm);
   Plot differences{"Measurements of " + o.samples + " predicted from the others",
                    "per cent of the predictions that are no worse",
-                   "CIEDE2000, " + o.illuminant,
+                   "CIEDE2000, " + o.light.viewing(),
                    {}};
   const auto left_out = pigment::leave_one_repeat_out(table, settings);
   if (!left_out.empty()) {
@@ -222,7 +226,7 @@ int fit(const FitOptions& o) {
       const double difference = pigment::ciede2000(lamp.lab(s.values), lamp.lab(l.predicted));
       (s.paints.size() == 1 ? pure : mixed).add(difference, l.rms);
     }
-    fmt::print("\nEach measurement predicted from the others (illuminant {}):\n", o.illuminant);
+    fmt::print("\nEach measurement predicted from the others (illuminant {}):\n", o.light.viewing());
     for (const auto& [name, e] : {std::pair{"pure paints", pure}, {"mixtures", mixed}}) {
       if (e.differences.empty()) continue;
       fmt::print(
@@ -264,14 +268,16 @@ int fit(const FitOptions& o) {
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<FitOptions>();
   options
-      .add("samples", o->samples,
-           "table of measured samples (.csv or .json), or kimera: 13 acrylics, by miciwan, CC BY 4.0")
+      .add(
+          "samples", o->files,
+          "tables of measured samples (text, CGATS, CxF, .json), for example one of each drawdown; or kimera: 13 "
+          "acrylics, by miciwan, CC BY 4.0")
       .required();
   options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");
   o->joint.declare(options);
   options.add("--template", o->is_template, "write an empty table with examples to the file and end");
-  options.add("--illuminant", o->illuminant, "illuminant of the colour differences").shows_default();
+  o->light.declare(options, "illuminant of the colour differences");
   options.add("-o,--output", o->output, "write the palette to this file, comma-separated").names_output();
   options.add("--json", o->json, "also write palette and report to this file").names_output();
   options.add("--plot", o->plot, "write K/S of all paints to this SVG file").names_output();

@@ -5,7 +5,7 @@
 namespace aureole {
 namespace {
 
-AUREOLE_COMMAND("pigment", "Paints by Kubelka and Munk: fit, mix, match, hide, error", nullptr);
+AUREOLE_COMMAND("pigment", "Paints by Kubelka and Munk: fit, mix, match, hide, colour, error", nullptr);
 
 }  // namespace
 }  // namespace aureole

@@ -18,7 +18,7 @@ namespace {
 
 struct HideOptions {
   LayerOfPaint layer;
-  double black = 0, white = 0.8, ratio = pigment::kHidden, step = 20;
+  double black = 0, white = 0.8, ratio = pigment::kHidden, step = 20, solids = 0, rate = 0;
   std::string plot;
   SurfaceOptions surface;
 };
@@ -29,7 +29,7 @@ int hide(const HideOptions& o) {
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
   const pigment::Paint paint = pigment::mix(palette, fractions);
-  const pigment::Observation lamp = observe(o.layer.illuminant, palette.nm);
+  const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
   const auto luminous = [&](double thickness, double below) {
     const double substrate[] = {below};
     return lamp.xyz(pigment::paint_reflectance(paint, thickness, substrate, palette.surface))[1];
@@ -48,13 +48,33 @@ int hide(const HideOptions& o) {
   };
 
   fmt::print("{}\n", pigment::recipe_text(components_of(palette, fractions)));
-  fmt::print("over {:g} and {:g}, luminous reflectance under {}:\n", o.black, o.white, o.layer.illuminant);
+  fmt::print("over {:g} and {:g}, luminous reflectance under {}:\n", o.black, o.white,
+             o.layer.light.viewing());
   fmt::print("  hides (contrast ratio {:g}) from  {}\n", o.ratio, thickness_text(hidden));
   nlohmann::json out = {{"hiding_thickness", std::isinf(hidden) ? nlohmann::json() : nlohmann::json(hidden)},
                         {"unit", palette.per_film   ? "film"
                                  : palette.relative ? "1/S of the white"
                                                     : "m"},
                         {"contrast_ratio", o.ratio}};
+  if (o.solids > 0 && palette.relative)
+    throw Error(
+        "--solids: a spreading rate needs K and S per metre, of drawdowns with a thickness; those of this palette "
+        "have no unit of length");
+  if (o.rate > 0 && o.solids == 0)
+    throw Error("--spreading-rate: needs --solids, the volume of the dry film per volume of wet paint");
+  if (o.solids > 0) {
+    if (!std::isinf(hidden)) {
+      const double covers = pigment::spreading_rate(hidden, o.solids);
+      fmt::print("  spreading rate at that thickness: {:.4g} m^2/l (solids {:g} by volume)\n", covers,
+                 o.solids);
+      out["spreading_rate"] = covers;
+    }
+    if (o.rate > 0) {
+      const double ratio = contrast(pigment::dry_thickness(o.rate, o.solids));
+      fmt::print("  contrast ratio at {:g} m^2/l: {:.4f} (opacity {:.2f} %)\n", o.rate, ratio, 100 * ratio);
+      out["at_spreading_rate"] = {{"spreading_rate", o.rate}, {"contrast_ratio", ratio}};
+    }
+  }
   if (!o.layer.thickness.empty()) {
     const double thickness = thickness_for(palette, o.layer.thickness), ratio = contrast(thickness);
     fmt::print("  contrast ratio at {}: {:.4f} (opacity {:.2f} %)\n", o.layer.thickness, ratio, 100 * ratio);
@@ -104,6 +124,14 @@ std::function<int()> declare(CommandOptions& options) {
       .between(0.0, 1.0)
       .shows_default();
   options.add("--ratio", o->ratio, "contrast ratio of a hiding layer").between(0.01, 0.9999).shows_default();
+  options
+      .add("--solids", o->solids,
+           "volume of the dry film per volume of wet paint: prints the spreading rate in m^2/l")
+      .between(0.0, 1.0);
+  options
+      .add("--spreading-rate", o->rate,
+           "with --solids: print the contrast ratio at this rate in m^2/l (ISO 6504)")
+      .between(0.0, 1e6);
   o->surface.declare(options, "the result, instead of the palette's interface");
   options.add("--step", o->step, "step between printed wavelengths in nm").between(0.01, 1e9).shows_default();
   options.add("--plot", o->plot, "write the contrast ratio by thickness to this SVG file").names_output();

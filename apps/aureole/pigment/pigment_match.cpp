@@ -3,25 +3,34 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/parallel.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/pigment/letter_case.h"
+#include "aureole/pigment/text_table.h"
+#include "messages.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
 namespace {
 
 struct MatchOptions {
-  std::string palette = "kimera", target, illuminant = "D65", json, plot, thickness;
-  std::vector<std::string> others{"A", "F11"}, least, most, only;
+  std::string palette = "kimera", target, json, plot, thickness;
+  std::vector<std::string> others{"A", "F11"}, least, most, only, apart;
+  std::string by = "colour", prices;
   int paints = 3, solutions = 5;
-  double substrate = 1;
+  double substrate = 1, smallest = 1e-4, opacity = 0, within = 1;
+  bool trade_offs = false;
+  LightOptions light;
   SurfaceOptions surface;
 };
 
@@ -45,14 +54,74 @@ void set_bounds(const pigment::Palette& palette, const std::vector<std::string>&
   }
 }
 
+/// Reads pairs such as "white,black".
+std::vector<std::pair<std::size_t, std::size_t>> forbidden_pairs(const pigment::Palette& palette,
+                                                                 const std::vector<std::string>& texts) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (const std::string& text : texts) {
+    const auto comma = text.find(',');
+    if (comma == text.npos || text.find(',', comma + 1) != text.npos)
+      throw Error("--apart: write two paints, PAINT,PAINT, got \"" + text + "\"");
+    std::size_t found[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::string name = i == 0 ? text.substr(0, comma) : text.substr(comma + 1);
+      name.erase(0, std::min(name.find_first_not_of(' '), name.size()));
+      name.erase(name.find_last_not_of(' ') + 1);
+      const auto at = palette.find(name);
+      if (!at) throw Error("--apart: unknown paint \"" + name + "\"" + did_you_mean(name, palette.names()));
+      found[i] = *at;
+    }
+    if (found[0] == found[1]) throw Error("--apart: two different paints are expected, got \"" + text + "\"");
+    pairs.emplace_back(found[0], found[1]);
+  }
+  return pairs;
+}
+
+/// Reads a table of two columns, paint and price per mass, for every paint that a recipe may have.
+std::vector<double> read_prices(const std::string& file, const pigment::Palette& palette,
+                                const std::vector<double>& most) {
+  std::vector<double> prices(palette.pigments.size(), -1);
+  std::istringstream text = read_table_file(file);
+  try {
+    for (const pigment::TextRow& row : pigment::read_text_table(text)) {
+      if (row.cells.size() != 2)
+        throw pigment::TextError(row.line, 0,
+                                 "expected a paint and its price, as in the line\n    white,3.50");
+      const auto price = pigment::finite_number(row.cells[1].text);
+      if (!price && pigment::lower_case(row.cells[1].text) == "price") continue;  // headings
+      if (!price || *price < 0)
+        throw pigment::TextError(
+            row.line, row.cells[1].column,
+            "expected a price per mass, not negative, got \"" + row.cells[1].text + "\"");
+      const auto at = palette.find(row.cells[0].text);
+      if (!at) {
+        tell("note: {}:{}: the palette has no paint \"{}\"{}\n", file, row.line, row.cells[0].text,
+             did_you_mean(row.cells[0].text, palette.names()));
+        continue;
+      }
+      prices[*at] = *price;
+    }
+  } catch (const pigment::TextError& e) {
+    throw Error({file, e.line(), e.column()}, e.what());
+  }
+  for (std::size_t p = 0; p < prices.size(); ++p) {
+    if (prices[p] < 0 && most[p] > 0)
+      throw Error({file, 0, 0}, "there is no price of \"" + palette.pigments[p].name + "\"");
+    prices[p] = std::max(prices[p], 0.0);
+  }
+  return prices;
+}
+
 int match(const MatchOptions& o) {
   const pigment::Palette whole = usable_palette(o.palette, o.surface);
-  const ColourTarget wanted = read_colour_target(o.target, whole, o.illuminant, "target");
+  const std::string viewing = o.light.viewing();
+  const ColourTarget wanted = read_colour_target(o.target, whole, viewing, "target");
   const pigment::Palette& palette = wanted.palette;
-  const pigment::Observation lamp = observe(o.illuminant, palette.nm);
+  const pigment::Observation lamp = observe(viewing, palette.nm);
   std::vector<pigment::Observation> others;
   for (const std::string& name : o.others)
-    if (name != o.illuminant) others.push_back(observe(name, palette.nm));
+    if (const std::string other = viewed_at(name, o.light.observer); other != viewing)
+      others.push_back(observe(other, palette.nm));
 
   pigment::MatchSettings settings;
   settings.max_paints = o.paints, settings.solutions = o.solutions;
@@ -64,6 +133,15 @@ int match(const MatchOptions& o) {
   settings.thickness = thickness_for(palette, o.thickness);
   note_substrate(o.substrate, o.thickness);
   settings.substrate = {o.substrate};
+  settings.by = o.by == "spectrum" ? pigment::MatchBy::spectrum
+                : o.by == "lamps"  ? pigment::MatchBy::lamps
+                                   : pigment::MatchBy::colour;
+  settings.forbidden = forbidden_pairs(palette, o.apart);
+  settings.smallest = o.smallest, settings.least_contrast = o.opacity;
+  settings.trade_offs = o.trade_offs, settings.within = o.within;
+  if (!o.prices.empty()) settings.price = read_prices(o.prices, palette, settings.most);
+  if (o.within != MatchOptions().within && !o.trade_offs)
+    tell("note: --within: has no effect without --trade-offs\n");
 
   const auto start = std::chrono::steady_clock::now();
   std::vector<pigment::Match> found;
@@ -79,16 +157,19 @@ int match(const MatchOptions& o) {
 
   const pigment::Lab& lab = wanted.target.lab;
   fmt::print("{}: L* {:.2f}  a* {:.2f}  b* {:.2f} under {}; {} paints, at most {} of them, {:.2f} s\n\n",
-             o.target, lab.l, lab.a, lab.b, o.illuminant, palette.pigments.size(), o.paints, seconds);
-  fmt::print("{:>9}", o.illuminant);
+             o.target, lab.l, lab.a, lab.b, viewing, palette.pigments.size(), o.paints, seconds);
+  fmt::print("{:>9}", viewing);
   if (spectral) {
     for (const auto& other : others) fmt::print("{:>9}", other.name());
     fmt::print("{:>9}", "rms R");
   }
+  const bool has_layer = !std::isinf(settings.thickness);
+  if (!settings.price.empty()) fmt::print("{:>9}", "cost");
+  if (has_layer) fmt::print("{:>9}", "contrast");
+  fmt::print("{:>9}", "dosing");
   fmt::print("  {:<9}recipe\n", "colour");
-  nlohmann::json out = {{"target", {lab.l, lab.a, lab.b}},
-                        {"illuminant", o.illuminant},
-                        {"solutions", nlohmann::json::array()}};
+  nlohmann::json out = {
+      {"target", {lab.l, lab.a, lab.b}}, {"illuminant", viewing}, {"solutions", nlohmann::json::array()}};
   for (const pigment::Match& m : found) {
     const auto recipe = components_of(palette, m.fractions);
     fmt::print("{:9.3f}", m.difference);
@@ -103,6 +184,12 @@ int match(const MatchOptions& o) {
       fmt::print("{:9.4f}", m.rms);
       one["rms"] = m.rms;
     }
+    if (!settings.price.empty()) fmt::print("{:9.3f}", m.cost), one["cost"] = m.cost;
+    if (has_layer) fmt::print("{:9.4f}", m.contrast), one["contrast_ratio"] = m.contrast;
+    fmt::print("{:9.3f}", m.dosing_error);
+    one["dosing_error"] = m.dosing_error;
+    for (std::size_t p = 0; p < palette.pigments.size(); ++p)
+      if (m.fractions[p] > 0) one["dosing"][palette.pigments[p].name] = m.dosing[p];
     fmt::print("  {:<9}{}\n", screen_colour(lamp.xyz(m.reflectance), lamp.white()),
                pigment::recipe_text(recipe));
     for (const auto& c : recipe) one["recipe"][c.name] = c.fraction;
@@ -110,6 +197,15 @@ int match(const MatchOptions& o) {
   }
   fmt::print("Columns are CIEDE2000 differences to the target under each lamp{}.\n",
              spectral ? "; those beyond the first are metamerism" : "");
+  fmt::print(
+      "dosing: CIEDE2000 of independent errors of 1 % in the amount of each paint.{}{}\n",
+      settings.price.empty() ? "" : " cost: per mass of the mixture, by the prices of " + o.prices + ".",
+      has_layer ? " contrast: luminous reflectance over black divided by that over white (0.8)." : "");
+  if (o.trade_offs)
+    fmt::print(
+        "Trade-offs: no recipe within a difference of {:g} is better than one of these in colour difference{} and "
+        "metamerism at once.\n",
+        o.within, settings.price.empty() ? "" : ", cost");
   if (!spectral)
     fmt::print("The target is a colour, not a reflectance: what it does under other lamps is not known.\n");
 
@@ -137,9 +233,31 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--solutions", o->solutions, "largest number of recipes to print")
       .between(1, 1000)
       .shows_default();
-  options.add("--illuminant", o->illuminant, "illuminant under which colours are matched").shows_default();
+  o->light.declare(options, "illuminant under which colours are matched");
   options.add("--others", o->others, "illuminants of the report on metamerism (default A,F11)")
       .separated_by(',');
+  options
+      .add(
+          "--by", o->by,
+          "what recipes minimise: colour (under the illuminant), lamps (under all of them), or spectrum (rms of R)")
+      .one_of({"colour", "lamps", "spectrum"})
+      .shows_default();
+  options.add("--prices", o->prices,
+              "table of two columns, paint and price per mass: prints the cost of recipes");
+  options.add("--trade-offs", o->trade_offs,
+              "print recipes of which no other is better in colour, cost and metamerism at once");
+  options.add("--within", o->within, "with --trade-offs: largest colour difference")
+      .between(0.001, 100)
+      .shows_default();
+  options.add("--apart", o->apart, "PAINT,PAINT: two paints that no recipe has together; may be repeated")
+      .takes_each_time(1);
+  options.add("--smallest", o->smallest, "smallest fraction of a paint that can be dosed")
+      .between(0.0, 0.49)
+      .shows_default();
+  options
+      .add("--opacity", o->opacity,
+           "with --thickness: least contrast ratio over black and white (0.8), for example 0.98")
+      .between(0.0, 0.9999);
   options.add("--least", o->least, "PAINT=FRACTION: lower bound of a paint in all recipes")
       .takes_each_time(1);
   options.add("--most", o->most, "PAINT=FRACTION: upper bound of a paint in all recipes").takes_each_time(1);

@@ -10,6 +10,8 @@
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/instrument/paint/two_flux_doubt.h"
+#include "messages.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
@@ -39,6 +41,9 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
+/// Colour differences between two fluxes and transport are noted from here on.
+constexpr double kDoubtful = 1;
+
 int mix(const MixOptions& o) {
   const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
   const std::vector<double> fractions =
@@ -46,17 +51,27 @@ int mix(const MixOptions& o) {
   const double thickness = thickness_for(palette, o.layer.thickness);
   note_substrate(o.substrate, o.layer.thickness);
   const double substrate[] = {o.substrate};
-  const pigment::Observation lamp = observe(o.layer.illuminant, palette.nm);
+  const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
   const auto reflectance = [&](const std::vector<double>& f) {
     return pigment::paint_reflectance(pigment::mix(palette, f), thickness, substrate, palette.surface);
   };
   const pigment::Paint paint = pigment::mix(palette, fractions);
   const std::vector<double> mixed = reflectance(fractions);
+  if (!std::isinf(thickness)) {
+    // A palette without an interface is of measurements from which none was taken.
+    const double index = palette.surface.k2 > 0 ? o.surface.index : 1;
+    const double doubt = two_flux_doubt(paint, palette.nm, thickness, o.substrate, index, lamp);
+    if (doubt > kDoubtful)
+      tell(
+          "note: two fluxes may be off by a Delta E of {:.1f} for this layer (CIEDE2000 from transport with g from 0 to "
+          "0.8), as for thin, dark or forward-scattering ones; K and S of layers of like thickness are off by less\n",
+          doubt);
+  }
 
   fmt::print(
       "{}\n{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
       std::isinf(thickness) ? "opaque" : fmt::format("{} thick over {:g}", o.layer.thickness, o.substrate),
-      o.layer.illuminant, colour_text(lamp, mixed));
+      o.layer.light.viewing(), colour_text(lamp, mixed));
   fmt::print("{:>8} {:>12} {:>12} {:>9} {:>9}\n", "nm", palette.relative ? "K, relative" : "K, 1/m",
              palette.relative ? "S, relative" : "S, 1/m", "R inner", "R");
   double next = palette.nm.front();

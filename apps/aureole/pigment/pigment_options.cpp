@@ -50,6 +50,27 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
+void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file) {
+  if (instrument.geometry.empty()) return;
+  const std::string stated =
+      instrument.geometry + (instrument.specular.empty() ? "" : ", specular " + instrument.specular);
+  if (given()) {
+    const bool differs = (!geometry.empty() && geometry != instrument.geometry) ||
+                         (!instrument.specular.empty() && instrument.geometry != "45_0" &&
+                          specular != instrument.specular && geometry != "none");
+    if (differs)
+      tell("note: {}: states the geometry {}; the options, which differ, are taken\n", file, stated);
+    return;
+  }
+  geometry = instrument.geometry;
+  if (!instrument.specular.empty()) specular = instrument.specular;
+  tell(
+      "note: {}: was measured at the geometry {}{}: the interface of index {:g} is taken off; --geometry none takes "
+      "none off\n",
+      file, stated,
+      instrument.specular.empty() ? ", and does not say whether specular light is included" : "", index);
+}
+
 void SurfaceOptions::note_unused() const {
   if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
   if (specular == "included" && (!given() || geometry == "none"))
@@ -69,6 +90,18 @@ std::string SurfaceOptions::text() const {
                      geometry, index, geometry == "45_0" ? "" : light);
 }
 
+void LightOptions::declare(CommandOptions& options, const std::string& what) {
+  options
+      .add("--illuminant", illuminant,
+           what + ": a name of the CIE, or a file of a measured lamp (wavelength, power)")
+      .shows_default();
+  options.add("--observer", observer, "field of the CIE observer in degrees: 2 (1931) or 10 (1964)")
+      .one_of({"2", "10"})
+      .shows_default();
+}
+
+std::string LightOptions::viewing() const { return viewed_at(illuminant, observer); }
+
 void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();
@@ -76,7 +109,7 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add(
       "--thickness", thickness,
       "thickness of the layer, \"20um\"; for palettes without a unit of length a number, in 1/S of the white or in films");
-  options.add("--illuminant", illuminant, "illuminant of the colours").shows_default();
+  light.declare(options, "illuminant of the colours");
   options.add("--json", json, "also write the results to this file").names_output();
 }
 

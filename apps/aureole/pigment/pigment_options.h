@@ -8,6 +8,7 @@
 #include "aureole/instrument/report/svg_plot.h"
 #include "aureole/pigment/match.h"
 #include "aureole/pigment/paints.h"
+#include "aureole/pigment/samples.h"
 #include "command.h"
 
 namespace aureole {
@@ -22,15 +23,28 @@ struct SurfaceOptions {
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
+  /// Takes the geometry that a file of measurements states, unless options give one; notes either.
+  void take(const pigment::Instrument& instrument, const std::string& file);
   /// Notes options that have no effect beside the others.
   void note_unused() const;
   /// The interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
   std::string text() const;
 };
 
+/// The illuminant and the observer of colours.
+struct LightOptions {
+  std::string illuminant = "D65", observer = "2";
+
+  /// `what` is the help of --illuminant.
+  void declare(CommandOptions& options, const std::string& what);
+  /// The name for `observe`: "D65", or "D65/10" for the 10-degree observer.
+  std::string viewing() const;
+};
+
 /// A layer of paint: a recipe, a thickness and a substrate.
 struct LayerOfPaint {
-  std::string palette = "kimera", recipe, thickness, illuminant = "D65", json;
+  std::string palette = "kimera", recipe, thickness, json;
+  LightOptions light;
   bool by_volume = false;
 
   void declare(CommandOptions& options);

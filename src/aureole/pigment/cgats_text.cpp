@@ -228,6 +228,7 @@ SampleTable samples_of(const Table& t) {
   const auto quantity = t.find("QUANTITY"), backing = t.find("BACKING"), thickness = t.find("THICKNESS_UM"),
              series = t.find("SERIES"), specimen = t.find("SPECIMEN");
   SampleTable table;
+  table.instrument = instrument_called(t.keyword("MEASUREMENT_GEOMETRY"));
   for (const Column& c : columns) table.nm.push_back(c.nm);
   for (const TextRow& row : t.rows) {
     Sample& s = table.samples.emplace_back();

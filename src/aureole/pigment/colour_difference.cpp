@@ -51,6 +51,51 @@ Xyz xyz_of_lab(const Lab& lab, const Xyz& white) {
   return {white[0] * expanded(y + lab.a / 500), white[1] * expanded(y), white[2] * expanded(y - lab.b / 200)};
 }
 
+double chroma(const Lab& lab) { return std::hypot(lab.a, lab.b); }
+double hue_degrees(const Lab& lab) { return hue(lab.a, lab.b) / kDegree; }
+
+LchDifference lch_difference(const Lab& standard, const Lab& sample) {
+  const double c1 = chroma(standard), c2 = chroma(sample);
+  // Delta H = (a1 b2 - a2 b1)/sqrt((c1 c2 + a1 a2 + b1 b2)/2) (R. Seve, Color Res. Appl. 16, 1991), which has no
+  // cancellation; opposite hues have 0/0.
+  const double along = 0.5 * (c1 * c2 + standard.a * sample.a + standard.b * sample.b);
+  const double across = standard.a * sample.b - sample.a * standard.b;
+  const double h = along > 1e-12 * c1 * c2 ? across / std::sqrt(along) : 2 * std::sqrt(c1 * c2);
+  return {sample.l - standard.l, c2 - c1, h};
+}
+
+double cie1976(const Lab& a, const Lab& b) { return std::hypot(a.l - b.l, a.a - b.a, a.b - b.b); }
+
+double cmc(const Lab& standard, const Lab& sample, double l, double c) {
+  const LchDifference d = lch_difference(standard, sample);
+  const double c1 = chroma(standard), h1 = hue_degrees(standard);
+  const double s_l = standard.l < 16 ? 0.511 : 0.040975 * standard.l / (1 + 0.01765 * standard.l);
+  const double s_c = 0.0638 * c1 / (1 + 0.0131 * c1) + 0.638;
+  const double c4 = c1 * c1 * c1 * c1, f = std::sqrt(c4 / (c4 + 1900));
+  const double t = h1 >= 164 && h1 <= 345 ? 0.56 + std::abs(0.2 * std::cos((h1 + 168) * kDegree))
+                                          : 0.36 + std::abs(0.4 * std::cos((h1 + 35) * kDegree));
+  return std::hypot(d.l / (l * s_l), d.c / (c * s_c), d.h / (s_c * (f * t + 1 - f)));
+}
+
+double cie94(const Lab& standard, const Lab& sample, Cie94 application) {
+  const bool textiles = application == Cie94::textiles;
+  const LchDifference d = lch_difference(standard, sample);
+  const double c1 = chroma(standard);
+  return std::hypot(d.l / (textiles ? 2 : 1), d.c / (1 + (textiles ? 0.048 : 0.045) * c1),
+                    d.h / (1 + (textiles ? 0.014 : 0.015) * c1));
+}
+
+Lab din99o_of_lab(const Lab& lab) {
+  const double turn = 26 * kDegree;
+  const double e = lab.a * std::cos(turn) + lab.b * std::sin(turn);
+  const double f = 0.83 * (lab.b * std::cos(turn) - lab.a * std::sin(turn));
+  const double c = std::log1p(0.075 * std::hypot(e, f)) / 0.0435;
+  const double h = (e == 0 && f == 0 ? 0 : std::atan2(f, e)) + turn;
+  return {303.67 * std::log1p(0.0039 * lab.l), c * std::cos(h), c * std::sin(h)};
+}
+
+double din99o(const Lab& a, const Lab& b) { return cie1976(din99o_of_lab(a), din99o_of_lab(b)); }
+
 std::array<double, 3> ciede2000_components(const Lab& p, const Lab& q) {
   // Names as in Sharma, Wu and Dalal; angles in radians.
   const double g = 0.5 * (1 - chroma_factor((std::hypot(p.a, p.b) + std::hypot(q.a, q.b)) / 2));

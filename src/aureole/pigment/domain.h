@@ -19,6 +19,10 @@ inline std::string number_text(double value) {
 inline void require(bool ok, double value, const std::string& name, const char* rule) {
   if (!ok) throw std::domain_error(name + " " + rule + ", got " + number_text(value));
 }
+/// Makes a string of the name only for an error: innermost loops check their arguments.
+inline void require(bool ok, double value, const char* name, const char* rule) {
+  if (!ok) require(false, value, std::string(name), rule);
+}
 inline void require_fraction(double value, const char* name) {
   require(value >= 0 && value <= 1, value, name, "must be in [0, 1]");
 }

@@ -182,6 +182,8 @@ Evidence Fitter::collect(const std::string& paint) const {
 }
 
 void Fitter::choose_method(Evidence& e) const {
+  constexpr double kAlike = 0.05;  // difference of reflectance below which two substrates tell nothing
+  std::string alike;
   const std::string named = "paint \"" + e.paint + "\": ";
   if (e.film_r && e.film_t) {
     e.method = FitMethod::film, e.used = {*e.film_r, *e.film_t};
@@ -193,6 +195,14 @@ void Fitter::choose_method(Evidence& e) const {
         const auto lightness = [&](std::size_t group) {
           return substrate_at(table_, settings_.surface, first(group), table_.nm.size() / 2);
         };
+        const double one = lightness(e.drawdowns[a]), other = lightness(e.drawdowns[b]);
+        if (std::abs(one - other) < kAlike) {
+          alike = "its substrates \"" + first(e.drawdowns[a]).backing + "\" and \"" +
+                  first(e.drawdowns[b]).backing + "\" reflect nearly the same (" + number_text(one) +
+                  " and " + number_text(other) + " at " + number_text(table_.nm[table_.nm.size() / 2]) +
+                  " nm): two that differ are needed, such as black and white";
+          continue;
+        }
         e.method = FitMethod::drawdowns, e.used = {e.drawdowns[a], e.drawdowns[b]};
         if (lightness(e.used[0]) > lightness(e.used[1])) std::swap(e.used[0], e.used[1]);
         return;
@@ -201,6 +211,7 @@ void Fitter::choose_method(Evidence& e) const {
     e.method = FitMethod::opaque_and_drawdown, e.used = {*e.opaque, e.drawdowns[0]};
     return;
   }
+  if (!e.opaque && !alike.empty()) throw std::domain_error(named + alike);
   if (!e.opaque)
     throw std::domain_error(named +
                             (e.film_t ? "the film's reflectance at the same thickness is missing"

@@ -39,6 +39,18 @@ double hiding_thickness(Coefficients c, const Surface& surface, double target, d
                           target);
 }
 
+double spreading_rate(double dry_thickness, double solids) {
+  require(dry_thickness > 0, dry_thickness, "thickness", "must be positive");
+  require(solids > 0 && solids <= 1, solids, "volume fraction of solids", "must be in (0, 1]");
+  return 1e-3 * solids / dry_thickness;
+}
+
+double dry_thickness(double rate, double solids) {
+  require(rate > 0, rate, "spreading rate", "must be positive");
+  require(solids > 0 && solids <= 1, solids, "volume fraction of solids", "must be in (0, 1]");
+  return 1e-3 * solids / rate;
+}
+
 double tinting_strength(double sample_k_over_s, double standard_k_over_s, double white_k_over_s) {
   const double standard = standard_k_over_s - white_k_over_s;
   require(standard > 0, standard, "what the standard adds to the white's K/S", "must be positive");

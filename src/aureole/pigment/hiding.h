@@ -27,6 +27,12 @@ double hiding_thickness(const std::function<double(double)>& contrast, double st
 double hiding_thickness(Coefficients c, const Surface& surface = {}, double target = kHidden,
                         double black = 0, double white = 0.8);
 
+/// Area in m^2 that one litre of wet paint covers with a dry film of this thickness [m]: solids/thickness/1000. `solids`
+/// is the volume of the dry film per volume of wet paint, in (0, 1].
+double spreading_rate(double dry_thickness, double solids);
+/// Thickness [m] of the dry film at a spreading rate [m^2/l].
+double dry_thickness(double spreading_rate, double solids);
+
 /// Tinting strength of a paint relative to a standard, from tints of both with equal fractions in the same
 /// white. It is the ratio of the increases over the white's K/S, at the wavelength of strongest absorption or
 /// summed over wavelengths.

@@ -129,6 +129,7 @@ public:
   std::vector<JointVector> step_precision_;  ///< for each pair of neighbouring wavelengths
   double cost_ = 0;
   int iterations_ = 0;
+  bool converged_ = true;
   std::shared_ptr<NormalChain> matrix_;
   std::shared_ptr<NormalChainFactors> factors_;
 
@@ -525,6 +526,7 @@ void JointSystem::solve() {
   for (int round = 0; round < rounds; ++round) {
     double damping = 1e-3;
     cost_ = total_cost(chain_, border_);
+    converged_ = false;
     for (int i = 0; i < settings_.iterations; ++i, ++iterations_) {
       auto matrix = std::make_shared<NormalChain>();
       std::vector<ColumnMatrix> gradient;
@@ -552,7 +554,10 @@ void JointSystem::solve() {
         damping = std::max(damping / 6, 1e-9);
         break;
       }
-      if (decrease <= kTolerance * cost_) break;
+      if (decrease <= kTolerance * cost_) {
+        converged_ = true;
+        break;
+      }
     }
     if (round + 1 == rounds) break;
     // Weights of Student's distribution, one for each specimen: its errors go together.
@@ -616,6 +621,55 @@ std::vector<std::string> JointFit::over_equal_cards() const {
 
 double JointFit::cost() const { return system_->cost_; }
 int JointFit::iterations() const { return system_->iterations_; }
+bool JointFit::converged() const { return system_->converged_; }
+
+std::vector<std::string> JointFit::scattering_unknown() const {
+  const JointSystem& s = *system_;
+  const std::vector<std::string> alike = over_equal_cards();
+  std::vector<bool> is_told(s.names_.size());
+  for (const JointSystem::Specimen& specimen : s.specimens_) {
+    std::set<std::string> cards;
+    bool is_free = false;
+    for (const std::size_t r : specimen.rows) {
+      const JointSystem::Row& row = s.rows_[r];
+      is_free = is_free || row.kind == JointSystem::Row::Kind::free_reflectance ||
+                row.kind == JointSystem::Row::Kind::free_transmittance;
+      if (row.kind == JointSystem::Row::Kind::over) cards.insert(s.table_.samples[row.sample].backing);
+    }
+    const bool has_two_cards =
+        cards.size() > 1 && std::find(alike.begin(), alike.end(), specimen.name) == alike.end();
+    if (specimen.parts.size() > 1 || is_free || has_two_cards || (s.metric_ && !cards.empty()))
+      for (const JointSystem::Part& part : specimen.parts) is_told[std::size_t(part.paint)] = true;
+  }
+  std::vector<std::string> names;
+  for (std::size_t p = 0; p < is_told.size(); ++p)
+    if (!is_told[p]) names.push_back(s.names_[p]);
+  return names;
+}
+
+double joint_fit_seconds(const SampleTable& table, const JointSettings& settings) {
+  std::set<std::string> paints, specimens;
+  std::set<std::pair<std::string, std::string>> variants;
+  std::map<std::string, int> series;
+  double doses = 0;
+  for (const Sample& sample : table.samples) {
+    if (sample.paints.empty()) continue;
+    if (specimens.insert(specimen_key(sample)).second && sample.paints.size() > 1 && settings.dose > kFixed)
+      doses += double(sample.paints.size());
+    for (const Component& c : sample.paints) {
+      paints.insert(c.name);
+      if (variants.emplace(sample.series, c.name).second) ++series[c.name];
+    }
+  }
+  double local = 2 * double(paints.size());
+  for (const auto& [of_series, name] : variants) local += series[name] > 1 ? 2 : 0;
+  const double border = double(specimens.size() + paints.size()) + doses;
+  // Operations of a step: factors of the blocks, their products with the border, and the border's own factors.
+  const double step = double(table.nm.size()) * local * (local * local + local * border + border * border) +
+                      border * border * border;
+  constexpr double kSecondsPerOperation = 2.6e-10, kSteps = 20;
+  return kSteps * kSecondsPerOperation * step;
+}
 
 namespace {
 
@@ -762,6 +816,14 @@ std::vector<std::string> joint_notes(const JointFit& fit) {
   for (const std::string& card : fit.unknown_cards())
     notes.push_back("no line without paints is called \"" + card +
                     "\": the reflectance of this card is an unknown");
+  for (const std::string& name : fit.scattering_unknown())
+    notes.push_back(
+        "the paint \"" + name +
+        "\" was measured alone and over one card: only K/S is known; missing is a tint with a white, or "
+        "the film over a second card");
+  if (!fit.converged())
+    notes.push_back("the fit did not converge in " + std::to_string(fit.iterations()) +
+                    " steps; its numbers are those of the last one");
   std::string names;
   for (const std::string& name : fit.over_equal_cards()) names += (names.empty() ? "" : ", ") + name;
   if (!names.empty())

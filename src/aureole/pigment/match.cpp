@@ -2,208 +2,60 @@
 #include "aureole/pigment/match.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
 
 #include "aureole/pigment/domain.h"
+#include "aureole/pigment/match_mixer.h"
 
 namespace aureole::pigment {
 namespace {
 
-constexpr double kNegligible = 1e-4;  ///< fraction below which a paint is dropped from a recipe
-constexpr int kMaxPaints = 6;
-using Triple = std::array<double, 3>;
-using Shares = std::array<double, kMaxPaints>;
+/// Up to this number of sets every set is tried from all starting points.
+constexpr std::size_t kExhaustive = 1200;
+/// More sets are first tried at groups of wavelengths for layers with a thickness, which take ten times as long.
+constexpr std::size_t kExhaustiveFilms = 120;
+constexpr std::size_t kMostSets = 2'000'000;
+/// A first search takes at least this number of groups of wavelengths.
+constexpr std::size_t kCoarse = 24;
+/// Largest number of recipes of the first search that are found again at all wavelengths.
+constexpr std::size_t kRefined = 20'000;
+/// A recipe whose squared difference is smaller cannot be improved by another paint.
+constexpr double kMatched = 1e-8;
 
-double squared(const Triple& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+using Set = std::vector<std::size_t>;
 
-/// The bounds of a problem, one entry per pigment.
-struct Bounds {
-  std::vector<double> least, most;
-};
-
-/// Mixtures of some paints of a palette, used by one thread.
-class Mixer {
-public:
-  Mixer(const Palette& palette, const MatchSettings& settings, const Observation& lamp, const Lab& target)
-      : palette_(palette),
-        settings_(settings),
-        lamp_(lamp),
-        target_(target),
-        k_(palette.nm.size()),
-        s_(palette.nm.size()),
-        reflectance_(palette.nm.size()) {}
-
-  void choose(std::vector<std::size_t> paints) { paints_ = std::move(paints); }
-  std::size_t size() const { return paints_.size(); }
-  std::size_t paint(std::size_t i) const { return paints_[i]; }
-
-  const std::vector<double>& reflectance(const Shares& shares) {
-    std::fill(k_.begin(), k_.end(), 0.0);
-    std::fill(s_.begin(), s_.end(), 0.0);
-    const std::size_t n = k_.size();
-    double volume = 0;
-    if (palette_.by_volume)
-      for (std::size_t p = 0; p < paints_.size(); ++p)
-        volume += shares[p] / palette_.pigments[paints_[p]].density;
-    for (std::size_t p = 0; p < paints_.size(); ++p) {
-      const double share =
-          volume > 0 ? shares[p] / (palette_.pigments[paints_[p]].density * volume) : shares[p];
-      const double *k = palette_.pigments[paints_[p]].k.data(), *s = palette_.pigments[paints_[p]].s.data();
-      for (std::size_t i = 0; i < n; ++i) k_[i] += share * k[i], s_[i] += share * s[i];
-    }
-    if (!std::isinf(settings_.thickness)) {
-      Paint paint(n);
-      for (std::size_t i = 0; i < n; ++i) paint[i] = {k_[i], s_[i]};
-      reflectance_ = paint_reflectance(paint, settings_.thickness, settings_.substrate, palette_.surface);
-      return reflectance_;
-    }
-    // R_inf = S/(K + S + gamma) under the interface, with one root and one division: this loop takes nearly
-    // all of the time.
-    const Surface& surface = palette_.surface;
-    constexpr double kTiny = 1e-300;  // avoids 0/0 for a paint with K = S = 0
-    for (std::size_t i = 0; i < n; ++i) {
-      const double k = k_[i], s = s_[i];
-      reflectance_[i] = surface.seen +
-                        surface.through * s / (k + std::sqrt(k * (k + 2 * s)) + (1 - surface.k2) * s + kTiny);
-    }
-    return reflectance_;
-  }
-  Lab lab(const Shares& shares) { return lamp_.lab(reflectance(shares)); }
-  Triple residual(const Shares& shares) { return ciede2000_components(target_, lab(shares)); }
-
-private:
-  const Palette& palette_;
-  const MatchSettings& settings_;
-  const Observation& lamp_;
-  const Lab& target_;
-  std::vector<std::size_t> paints_;
-  std::vector<double> k_, s_, reflectance_;
-};
-
-/// Projects fractions onto the bounds and the sum of one: all are shifted by an equal amount and clamped.
-Shares projected(const Shares& shares, const Mixer& mixer, const Bounds& bounds) {
-  const std::size_t n = mixer.size();
-  const auto moved = [&](double by) {
-    Shares result{};
-    for (std::size_t i = 0; i < n; ++i)
-      result[i] = std::clamp(shares[i] + by, bounds.least[mixer.paint(i)], bounds.most[mixer.paint(i)]);
-    return result;
-  };
-  double low = -2, high = 2;
-  for (int step = 0; step < 60; ++step) {
-    const double middle = 0.5 * (low + high);
-    const Shares s = moved(middle);
-    (std::accumulate(s.begin(), s.begin() + std::ptrdiff_t(n), 0.0) < 1 ? low : high) = middle;
-  }
-  return moved(high);
-}
-
-/// Solves the n x n system a x = b by elimination; it is symmetric, and positive definite by its damping.
-void solve(std::array<Shares, kMaxPaints>& a, Shares& b, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j) {
-      const double f = a[j][i] / a[i][i];
-      for (std::size_t l = i; l < n; ++l) a[j][l] -= f * a[i][l];
-      b[j] -= f * b[i];
-    }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t l = i + 1; l < n; ++l) b[i] -= a[i][l] * b[l];
-    b[i] /= a[i][i];
-  }
-}
-
-/// Levenberg-Marquardt method on the simplex: the largest fraction is the remainder of the others. A fraction
-/// at its bound that would cross it is fixed.
-double descend(Mixer& mixer, const Bounds& bounds, Shares& shares) {
-  const std::size_t n = mixer.size();
-  Triple r = mixer.residual(shares);
-  double value = squared(r), damping = 1e-3;
-  for (int step = 0; step < 60 && value > 1e-18; ++step) {
-    const std::size_t rest =
-        std::size_t(std::max_element(shares.begin(), shares.begin() + std::ptrdiff_t(n)) - shares.begin());
-    std::array<Triple, kMaxPaints> slope{};
-    std::array<std::size_t, kMaxPaints> free{};
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == rest) continue;
-      const double h = 1e-7 + 1e-5 * shares[i];
-      Shares there = shares;
-      there[i] += h, there[rest] -= h;
-      const Triple other = mixer.residual(there);
-      double gradient = 0;
-      for (std::size_t c = 0; c < 3; ++c) slope[i][c] = (other[c] - r[c]) / h, gradient += slope[i][c] * r[c];
-      const double least = bounds.least[mixer.paint(i)], most = bounds.most[mixer.paint(i)];
-      if ((gradient > 0 && shares[i] <= least) || (gradient < 0 && shares[i] >= most)) continue;
-      free[count++] = i;
-    }
-    if (count == 0) break;
-    bool better = false;
-    for (int attempt = 0; attempt < 12 && !better; ++attempt) {
-      std::array<Shares, kMaxPaints> normal{};
-      Shares move{};
-      for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t c = 0; c < 3; ++c) move[i] -= slope[free[i]][c] * r[c];
-        for (std::size_t j = 0; j < count; ++j)
-          for (std::size_t c = 0; c < 3; ++c) normal[i][j] += slope[free[i]][c] * slope[free[j]][c];
-        normal[i][i] = normal[i][i] * (1 + damping) + 1e-30;
-      }
-      solve(normal, move, count);
-      Shares next = shares;
-      for (std::size_t i = 0; i < count; ++i) {
-        // A step may reduce a fraction by at most nine tenths, because colour depends on fractions of strong
-        // paints logarithmically.
-        const double share = shares[free[i]],
-                     to = std::max(share + move[i], share > kNegligible ? 0.1 * share : 0);
-        next[free[i]] = to;
-        next[rest] -= to - share;
-      }
-      next = projected(next, mixer, bounds);
-      const Triple there = mixer.residual(next);
-      if (squared(there) < value) {
-        better = value - squared(there) > 1e-10 * value;
-        shares = next, r = there, value = squared(there), damping = std::max(0.2 * damping, 1e-9);
-        if (!better) return value;
-      } else {
-        damping *= 6;
-      }
-    }
-    if (!better) break;
-  }
-  return value;
-}
-
-/// The best fractions of the chosen paints: a coarse grid of ratios, and descents from its three best points.
-Shares best_shares(Mixer& mixer, const Bounds& bounds) {
-  const std::size_t n = mixer.size();
-  constexpr double kRatios[] = {0.02, 0.15, 1};
-  std::vector<std::pair<double, Shares>> starts;
-  const int grid = int(std::lround(std::pow(3, n)));
-  for (int code = 0; code < grid; ++code) {
-    Shares shares{};
-    double largest = 0, sum = 0;
-    for (std::size_t i = 0, rest = std::size_t(code); i < n; ++i, rest /= 3)
-      shares[i] = kRatios[rest % 3], largest = std::max(largest, shares[i]), sum += shares[i];
-    if (largest < 1) continue;  // these ratios occur again with larger values
-    for (std::size_t i = 0; i < n; ++i) shares[i] /= sum;
-    shares = projected(shares, mixer, bounds);
-    starts.emplace_back(squared(mixer.residual(shares)), shares);
-  }
-  const std::size_t kept = std::min<std::size_t>(3, starts.size());
-  std::partial_sort(starts.begin(), starts.begin() + std::ptrdiff_t(kept), starts.end(),
-                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (n == 1) return starts[0].second;
-  for (std::size_t i = 0; i < kept; ++i) starts[i].first = descend(mixer, bounds, starts[i].second);
-  return std::min_element(starts.begin(), starts.begin() + std::ptrdiff_t(kept),
-                          [](const auto& a, const auto& b) { return a.first < b.first; })
-      ->second;
-}
-
-Bounds checked_bounds(const Palette& palette, const MatchSettings& settings) {
+/// The settings with bounds for each pigment; throws std::domain_error for wrong ones.
+MatchSettings checked(const Palette& palette, const MatchTarget& target, const MatchSettings& settings) {
   const std::size_t n = palette.pigments.size();
-  Bounds b{settings.least, settings.most};
+  MatchSettings b = settings;
+  require(settings.max_paints >= 1 && settings.max_paints <= kMaxPaints, settings.max_paints,
+          "number of paints", "must be from 1 to 6");
+  require(settings.solutions >= 1, settings.solutions, "number of solutions", "must be positive");
+  require(settings.smallest >= 0 && settings.smallest < 0.5, settings.smallest, "smallest amount",
+          "must be in [0, 0.5)");
+  require(settings.within > 0, settings.within, "largest difference of trade-offs", "must be positive");
+  require(settings.least_contrast >= 0 && settings.least_contrast < 1, settings.least_contrast,
+          "least contrast ratio", "must be in [0, 1)");
+  if (settings.least_contrast > 0 && std::isinf(settings.thickness))
+    throw std::domain_error("a contrast ratio needs a layer with a thickness");
+  if (!std::isinf(settings.thickness) && settings.substrate.size() != 1 &&
+      settings.substrate.size() != palette.nm.size())
+    throw std::domain_error("a substrate needs one reflectance, or one for each wavelength");
+  if (!settings.price.empty() && settings.price.size() != n)
+    throw std::domain_error("prices need a number for each pigment");
+  for (const double price : settings.price) require(price >= 0, price, "price", "must not be negative");
+  for (const auto& [one, other] : settings.forbidden)
+    if (one >= n || other >= n || one == other) throw std::domain_error("a forbidden pair is two pigments");
+  if (settings.by != MatchBy::colour && target.reflectance.empty())
+    throw std::domain_error("matching by lamps or by the spectrum needs the target's reflectance");
+  if (!target.reflectance.empty() && target.reflectance.size() != palette.nm.size())
+    throw std::domain_error("the target needs a reflectance for each wavelength of the palette");
   if (b.least.empty()) b.least.assign(n, 0);
   if (b.most.empty()) b.most.assign(n, 1);
   if (b.least.size() != n || b.most.size() != n)
@@ -224,94 +76,358 @@ Bounds checked_bounds(const Palette& palette, const MatchSettings& settings) {
   return b;
 }
 
-/// All sets of 1 to `most` paints that the bounds allow.
-std::vector<std::vector<std::size_t>> paint_sets(const Bounds& bounds, int most) {
-  const std::size_t n = bounds.least.size();
-  if (n > 24)
-    throw std::domain_error("a palette to match with has at most 24 paints, got " + std::to_string(n));
-  std::vector<std::vector<std::size_t>> sets;
-  for (std::uint32_t mask = 1; mask < (1u << n); ++mask) {
-    if (std::popcount(mask) > most) continue;
-    std::vector<std::size_t> set;
-    double least = 0, largest = 0;
-    bool complete = true;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (mask >> i & 1)
-        set.push_back(i), least += bounds.least[i], largest += bounds.most[i];
-      else
-        complete = complete && bounds.least[i] == 0;
-    }
-    if (complete && least <= 1 && largest >= 1) sets.push_back(std::move(set));
+/// A set of paints as a key: six numbers of ten bits.
+std::uint64_t key_of(const Set& set) {
+  std::uint64_t key = 0;
+  for (const std::size_t p : set) key = key << 10 | (p + 1);
+  return key;
+}
+
+bool is_allowed(const Set& set, const MatchSettings& settings) {
+  double least = 0, most = 0;
+  for (const std::size_t p : set) least += settings.least[p], most += settings.most[p];
+  if (least > 1 || most < 1) return false;
+  for (std::size_t p = 0; p < settings.least.size(); ++p)
+    if (settings.least[p] > 0 && std::find(set.begin(), set.end(), p) == set.end()) return false;
+  return true;
+}
+
+/// All sets of 1 to `max_paints` paints that the bounds and the forbidden pairs allow, by their number of paints.
+std::vector<std::vector<Set>> paint_sets(const MatchSettings& settings) {
+  const std::size_t n = settings.least.size();
+  std::vector<std::vector<bool>> apart(n, std::vector<bool>(n));
+  for (const auto& [one, other] : settings.forbidden) apart[one][other] = apart[other][one] = true;
+  std::vector<std::size_t> usable;
+  for (std::size_t p = 0; p < n; ++p)
+    if (settings.most[p] > 0) usable.push_back(p);
+  if (usable.size() > 1000) throw std::domain_error("a palette to match with has at most 1000 paints");
+  std::vector<std::vector<Set>> levels;
+  std::vector<Set> last{{}};
+  std::size_t count = 0;
+  for (int size = 1; size <= settings.max_paints; ++size) {
+    std::vector<Set> next;
+    for (const Set& set : last)
+      for (const std::size_t p : usable) {
+        if (!set.empty() && p <= set.back()) continue;
+        if (std::any_of(set.begin(), set.end(), [&](std::size_t q) { return apart[p][q]; })) continue;
+        Set& one = next.emplace_back(set);
+        one.push_back(p);
+        if (next.size() + count > kMostSets)
+          throw std::domain_error("there are more than two million sets of at most " +
+                                  std::to_string(settings.max_paints) + " of " +
+                                  std::to_string(usable.size()) +
+                                  " paints; choose fewer paints of a recipe, or fewer to choose from");
+      }
+    std::vector<Set>& allowed = levels.emplace_back();
+    for (const Set& set : next)
+      if (is_allowed(set, settings)) allowed.push_back(set);
+    count += allowed.size();
+    last = std::move(next);
   }
-  if (sets.empty())
-    throw std::domain_error("no recipe keeps the bounds: the largest shares of the paints do not sum to 1");
-  return sets;
+  if (count == 0)
+    throw std::domain_error(
+        settings.forbidden.empty()
+            ? "no recipe keeps the bounds: the largest shares of the paints do not sum to 1"
+            : "no recipe keeps the bounds and the forbidden pairs");
+  return levels;
+}
+
+/// A set of paints and its best fractions.
+struct Solved {
+  Set set;
+  Shares shares{};
+  double value = 0;
+  bool is_needed = true;  ///< whether each paint is needed, as far as the first search tells
+};
+
+/// The best recipe of each set, of all sizes.
+class Search {
+public:
+  Search(const MatchProblem& problem, bool is_exhaustive, const ParallelFor& parallel_for)
+      : problem_(problem), is_exhaustive_(is_exhaustive), parallel_for_(parallel_for) {}
+
+  std::vector<Solved> run(const std::vector<std::vector<Set>>& levels) {
+    std::vector<Solved> all;
+    std::size_t before = 0;
+    for (std::size_t size = 1; size <= levels.size(); ++size) {
+      const std::size_t begin = all.size();
+      for (const Set& set : levels[size - 1]) all.push_back({set});
+      subsets_.clear();
+      if (!is_exhaustive_ && size > 3)
+        for (std::size_t i = before; i < begin; ++i) subsets_.emplace(key_of(all[i].set), i);
+      parallel_for_(
+          all.size() - begin,
+          [&](std::size_t first, std::size_t last) {
+            Mixer mixer(problem_);
+            for (std::size_t i = begin + first; i < begin + last; ++i) solve(all, i, mixer);
+          },
+          8);
+      before = begin;
+    }
+    return all;
+  }
+
+private:
+  /// The recipe of a subset with a little of the paint that it lacks.
+  struct Start {
+    double value = 0;
+    Shares shares{};
+    std::size_t added = 0;
+  };
+
+  void solve(std::vector<Solved>& all, std::size_t i, Mixer& mixer) const {
+    Solved& one = all[i];
+    mixer.choose(one.set);
+    std::vector<Start> starts;
+    if (!subsets_.empty()) {
+      for (std::size_t left_out = 0; left_out < one.set.size(); ++left_out) {
+        Set subset = one.set;
+        subset.erase(subset.begin() + std::ptrdiff_t(left_out));
+        const auto found = subsets_.find(key_of(subset));
+        if (found == subsets_.end()) continue;
+        Start& start = starts.emplace_back();
+        start.value = all[found->second].value, start.added = left_out;
+        for (std::size_t p = 0, of = 0; p < one.set.size(); ++p)
+          start.shares[p] = p == left_out ? 0 : all[found->second].shares[of++];
+      }
+    }
+    if (starts.empty()) {
+      one.shares = mixer.best(), one.value = mixer.value(one.shares);
+      return;
+    }
+    std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.value < b.value; });
+    one.shares = starts[0].shares, one.value = starts[0].value, one.is_needed = false;
+    if (one.value < kMatched) return;
+    for (std::size_t s = 0; s < std::min<std::size_t>(2, starts.size()); ++s) {
+      // Strong paints act at one part in a thousand, weak ones from several per cent on.
+      Shares best{};
+      double reached = starts[s].value;
+      for (const double amount : {0.001, 0.03}) {
+        Shares there = starts[s].shares;
+        for (double& share : there) share *= 1 - amount;
+        there[starts[s].added] += amount;
+        there = mixer.projected(there);
+        const double value = mixer.value(there);
+        if (value < reached) best = there, reached = value;
+      }
+      if (!(reached < starts[s].value)) {
+        if (s == 0) return;
+        continue;
+      }
+      const double value = mixer.descend(best);
+      if (value < one.value) one.shares = best, one.value = value, one.is_needed = true;
+    }
+  }
+
+  const MatchProblem& problem_;
+  bool is_exhaustive_;
+  const ParallelFor& parallel_for_;
+  std::unordered_map<std::uint64_t, std::size_t> subsets_;
+};
+
+/// CIEDE2000 of 1 % too much of each paint.
+void add_dosing_errors(const MatchProblem& problem, const Solved& solved, Mixer& mixer, Match& m) {
+  m.dosing.assign(problem.palette.pigments.size(), 0);
+  double squares = 0;
+  for (std::size_t p = 0; p < solved.set.size(); ++p) {
+    Shares other = solved.shares;
+    const double more = 0.01 * other[p];
+    other[p] += more;
+    for (double& share : other) share /= 1 + more;
+    const double d = ciede2000(m.lab, problem.lamps.front().lab(mixer.reflectance(other)));
+    m.dosing[solved.set[p]] = d, squares += d * d;
+  }
+  m.dosing_error = std::sqrt(squares);
+}
+
+/// The recipe with its figures.
+Match match_of(const MatchProblem& problem, const Solved& solved, Mixer& mixer) {
+  Match m;
+  mixer.choose(solved.set);
+  m.fractions.resize(problem.palette.pigments.size());
+  for (std::size_t p = 0; p < solved.set.size(); ++p) m.fractions[solved.set[p]] = solved.shares[p];
+  m.contrast = mixer.contrast(solved.shares);
+  m.reflectance = mixer.reflectance(solved.shares);
+  m.lab = problem.lamps.front().lab(m.reflectance);
+  m.difference = ciede2000(problem.target.lab, m.lab);
+  if (!problem.settings.price.empty())
+    m.cost = std::inner_product(m.fractions.begin(), m.fractions.end(), problem.settings.price.begin(), 0.0);
+  const std::vector<double>& wanted = problem.target.reflectance;
+  if (wanted.empty()) return m;
+  for (std::size_t l = 1; l < problem.lamps.size(); ++l)
+    m.differences.push_back(ciede2000(problem.lamps[l].lab(wanted), problem.lamps[l].lab(m.reflectance)));
+  double squares = 0;
+  for (std::size_t l = 0; l < wanted.size(); ++l) squares += std::pow(m.reflectance[l] - wanted[l], 2);
+  m.rms = std::sqrt(squares / double(wanted.size()));
+  return m;
+}
+
+/// A recipe with what it is sorted by.
+struct Candidate {
+  Match match;
+  const Solved* solved;
+
+  int count() const {
+    return int(std::count_if(match.fractions.begin(), match.fractions.end(), [](double f) { return f > 0; }));
+  }
+};
+
+/// Colour difference, cost and metamerism, in steps below which a difference does not matter.
+std::array<double, 3> objectives(const Match& m) {
+  return {std::floor(m.difference / 0.02), std::floor(m.cost / 1e-6), std::floor(m.metamerism() / 0.02)};
+}
+
+/// Leaves the candidates of which no other one is as good in all objectives. They are sorted by colour difference.
+void keep_trade_offs(std::vector<Candidate>& all, const MatchSettings& settings) {
+  std::erase_if(all, [&](const Candidate& c) { return c.match.difference > settings.within; });
+  std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tuple(objectives(a.match), a.count(), a.match.difference) <
+           std::tuple(objectives(b.match), b.count(), b.match.difference);
+  });
+  std::vector<Candidate> front;
+  for (Candidate& c : all) {
+    const auto of = objectives(c.match);
+    const bool is_dominated = std::any_of(front.begin(), front.end(), [&](const Candidate& other) {
+      const auto than = objectives(other.match);
+      return than[0] <= of[0] && than[1] <= of[1] && than[2] <= of[2];
+    });
+    if (!is_dominated) front.push_back(std::move(c));
+  }
+  // Of many, those are kept that lie far from each other, beginning with the best of each objective.
+  const std::size_t wanted = std::size_t(settings.solutions);
+  if (front.size() > wanted) {
+    std::array<double, 3> low{}, high{};
+    const auto raw = [](const Candidate& c) {
+      return std::array{c.match.difference, c.match.cost, c.match.metamerism()};
+    };
+    std::vector<std::size_t> kept;
+    for (std::size_t o = 0; o < 3; ++o) {
+      const auto by = [&](const Candidate& a, const Candidate& b) { return raw(a)[o] < raw(b)[o]; };
+      const auto [least, most] = std::minmax_element(front.begin(), front.end(), by);
+      low[o] = raw(*least)[o], high[o] = raw(*most)[o];
+      const auto at = std::size_t(least - front.begin());
+      if (kept.size() < wanted && std::find(kept.begin(), kept.end(), at) == kept.end()) kept.push_back(at);
+    }
+    const auto distance = [&](std::size_t a, std::size_t b) {
+      double sum = 0;
+      for (std::size_t o = 0; o < 3; ++o)
+        if (high[o] > low[o]) sum += std::pow((raw(front[a])[o] - raw(front[b])[o]) / (high[o] - low[o]), 2);
+      return sum;
+    };
+    while (kept.size() < wanted) {
+      std::size_t farthest = 0;
+      double most = -1;
+      for (std::size_t i = 0; i < front.size(); ++i) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const std::size_t k : kept) nearest = std::min(nearest, distance(i, k));
+        if (nearest > most) most = nearest, farthest = i;
+      }
+      kept.push_back(farthest);
+    }
+    std::sort(kept.begin(), kept.end());
+    std::vector<Candidate> some;
+    for (const std::size_t k : kept) some.push_back(std::move(front[k]));
+    front = std::move(some);
+  }
+  all = std::move(front);
+}
+
+void sort_by_merit(std::vector<Candidate>& all, const MatchSettings& settings) {
+  const auto order = [&](const Candidate& c) {
+    const double merit = settings.by == MatchBy::colour ? c.match.difference : std::sqrt(c.solved->value);
+    return std::tuple(std::floor(merit / 0.005), c.match.metamerism(), c.count(), merit);
+  };
+  std::sort(all.begin(), all.end(),
+            [&](const Candidate& a, const Candidate& b) { return order(a) < order(b); });
 }
 
 }  // namespace
 
+double Match::metamerism() const {
+  return differences.empty() ? 0 : *std::max_element(differences.begin(), differences.end());
+}
+
 std::vector<Match> match(const Palette& original, const MatchTarget& target, const Observation& lamp,
                          std::span<const Observation> others, const MatchSettings& settings,
                          const ParallelFor& parallel_for) {
-  Palette palette = original;
-  check(palette);
-  clamp_negative(palette);
-  require(settings.max_paints >= 1 && settings.max_paints <= kMaxPaints, settings.max_paints,
-          "number of paints", "must be from 1 to 6");
-  require(settings.solutions >= 1, settings.solutions, "number of solutions", "must be positive");
-  const bool spectral = !target.reflectance.empty();
-  if (spectral && target.reflectance.size() != palette.nm.size())
-    throw std::domain_error("the target needs a reflectance for each wavelength of the palette");
-  const Bounds bounds = checked_bounds(palette, settings);
-  const auto sets = paint_sets(bounds, settings.max_paints);
+  MatchProblem problem{original, target, {lamp}, settings};
+  problem.lamps.insert(problem.lamps.end(), others.begin(), others.end());
+  check(problem.palette);
+  for (const Observation& one : problem.lamps)
+    if (one.weights().size() != problem.palette.nm.size())
+      throw std::domain_error("the observation " + one.name() + " needs the wavelengths of the palette");
+  clamp_negative(problem.palette);
+  problem.settings = checked(problem.palette, target, settings);
+  const auto levels = paint_sets(problem.settings);
+  std::size_t count = 0;
+  for (const auto& level : levels) count += level.size();
+  const bool is_exhaustive = count <= kExhaustive;
+  const bool is_slow = count > (std::isinf(settings.thickness) ? kExhaustive : kExhaustiveFilms);
+  const std::size_t group = is_slow ? std::max<std::size_t>(1, problem.palette.nm.size() / kCoarse) : 1;
 
-  std::vector<Shares> found(sets.size());
-  std::vector<double> differences(sets.size());
+  std::vector<Solved> solved;
+  {
+    const MatchProblem coarse = group == 1 ? problem : grouped(problem, group);
+    solved = Search(coarse, is_exhaustive, parallel_for).run(levels);
+  }
+  // Leaves out a set with a paint that is not needed: a smaller set has this recipe.
+  std::erase_if(solved, [&](const Solved& s) {
+    if (!s.is_needed) return true;
+    for (std::size_t p = 0; p < s.set.size(); ++p)
+      if (s.shares[p] < settings.smallest && problem.settings.least[s.set[p]] == 0) return true;
+    return false;
+  });
+  if (group > 1) {
+    const std::size_t kept = std::min(kRefined, solved.size());
+    std::partial_sort(solved.begin(), solved.begin() + std::ptrdiff_t(kept), solved.end(),
+                      [](const Solved& a, const Solved& b) { return a.value < b.value; });
+    solved.resize(kept);
+    parallel_for(
+        kept,
+        [&](std::size_t first, std::size_t last) {
+          Mixer mixer(problem);
+          for (std::size_t i = first; i < last; ++i) {
+            mixer.choose(solved[i].set);
+            solved[i].value = mixer.descend(solved[i].shares);
+          }
+        },
+        8);
+  }
+
+  std::vector<Candidate> candidates(solved.size());
   parallel_for(
-      sets.size(),
-      [&](std::size_t begin, std::size_t end) {
-        Mixer mixer(palette, settings, lamp, target.lab);
-        for (std::size_t i = begin; i < end; ++i) {
-          mixer.choose(sets[i]);
-          found[i] = best_shares(mixer, bounds);
-          differences[i] = std::sqrt(squared(mixer.residual(found[i])));
-        }
+      solved.size(),
+      [&](std::size_t first, std::size_t last) {
+        Mixer mixer(problem);
+        for (std::size_t i = first; i < last; ++i)
+          candidates[i] = {match_of(problem, solved[i], mixer), &solved[i]};
       },
-      8);
+      64);
+  if (settings.least_contrast > 0) {
+    double most = 0;
+    for (const Candidate& c : candidates) most = std::max(most, c.match.contrast);
+    require(most >= settings.least_contrast, most, "the contrast ratio of every recipe at this thickness",
+            "is below the least one");
+    std::erase_if(candidates, [&](const Candidate& c) { return c.match.contrast < settings.least_contrast; });
+  }
+  if (settings.trade_offs) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Candidate& c : candidates) nearest = std::min(nearest, c.match.difference);
+    require(nearest <= settings.within, nearest, "the colour difference of the nearest recipe",
+            "is larger than that of the trade-offs");
+    keep_trade_offs(candidates, problem.settings);
+  } else {
+    sort_by_merit(candidates, problem.settings);
+  }
+  if (candidates.size() > std::size_t(settings.solutions)) candidates.resize(std::size_t(settings.solutions));
 
   std::vector<Match> matches;
-  Mixer mixer(palette, settings, lamp, target.lab);
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    // Skips a set with a paint that is not needed: a smaller set has this recipe.
-    bool minimal = true;
-    for (std::size_t p = 0; p < sets[i].size(); ++p)
-      minimal = minimal && (found[i][p] >= kNegligible || bounds.least[sets[i][p]] > 0);
-    if (!minimal) continue;
-    mixer.choose(sets[i]);
-    Match& m = matches.emplace_back();
-    m.fractions.resize(palette.pigments.size());
-    for (std::size_t p = 0; p < sets[i].size(); ++p) m.fractions[sets[i][p]] = found[i][p];
-    m.reflectance = mixer.reflectance(found[i]);
-    m.lab = lamp.lab(m.reflectance);
-    m.difference = differences[i];
-    if (!spectral) continue;
-    for (const Observation& other : others)
-      m.differences.push_back(ciede2000(other.lab(target.reflectance), other.lab(m.reflectance)));
-    double squares = 0;
-    for (std::size_t l = 0; l < palette.nm.size(); ++l)
-      squares += std::pow(m.reflectance[l] - target.reflectance[l], 2);
-    m.rms = std::sqrt(squares / double(palette.nm.size()));
+  Mixer mixer(problem);
+  for (Candidate& c : candidates) {
+    mixer.choose(c.solved->set);
+    add_dosing_errors(problem, *c.solved, mixer, c.match);
+    matches.push_back(std::move(c.match));
   }
-  const auto order = [](const Match& m) {
-    const double worst =
-        m.differences.empty() ? 0 : *std::max_element(m.differences.begin(), m.differences.end());
-    return std::tuple(std::floor(m.difference / 0.005), worst,
-                      std::count_if(m.fractions.begin(), m.fractions.end(), [](double f) { return f > 0; }),
-                      m.difference);
-  };
-  std::sort(matches.begin(), matches.end(),
-            [&](const Match& a, const Match& b) { return order(a) < order(b); });
-  if (matches.size() > std::size_t(settings.solutions)) matches.resize(std::size_t(settings.solutions));
   return matches;
 }
 

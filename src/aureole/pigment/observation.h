@@ -11,8 +11,9 @@
 
 namespace aureole::pigment {
 
-/// An illuminant and an observer, as weights of a reflectance given at certain wavelengths. The reflectance
-/// is linear between them and constant beyond them.
+/// An illuminant and an observer, as weights of a reflectance given at certain wavelengths. Between them the
+/// reflectance is the cubic through the four nearest ones (Lagrange, as in ASTM E2022), or linear where they are more
+/// than 20 nm apart; beyond them it is constant.
 class Observation {
 public:
   /// `lamp` is the spectral power of the illuminant, in any unit, and `observer` is x-bar, y-bar, z-bar, as
@@ -23,9 +24,13 @@ public:
               const std::array<std::function<double(double)>, 3>& observer);
 
   const std::string& name() const { return name_; }
+  /// The weights of means over `group` neighbouring wavelengths each, for quick estimates.
+  Observation grouped(std::size_t group) const;
   /// Tristimulus values of a reflectance at the wavelengths; a perfect diffuser has Y = 1.
   Xyz xyz(std::span<const double> reflectance) const;
   const Xyz& white() const { return white_; }
+  /// The weights of the reflectance at each wavelength in X, Y and Z.
+  const std::vector<Xyz>& weights() const { return weights_; }
   Lab lab(std::span<const double> reflectance) const { return lab_of_xyz(xyz(reflectance), white_); }
 
 private:

@@ -2,9 +2,11 @@
 #include "aureole/pigment/samples.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <sstream>
 
@@ -39,7 +41,7 @@ struct Heading {
 
 struct Wavelength {
   double nm = 0;
-  bool percent = false;
+  bool percent = false, transmitted = false;
 };
 
 /// The wavelength that a heading names, or nothing.
@@ -56,10 +58,11 @@ std::optional<Wavelength> wavelength_of(const std::string& text) {
   };
   result.percent = drop('%') || heading.inside == "%";
   for (const std::string prefix : {"spectralpct", "spectraldec", "spectralnm", "spectral", "spec",
-                                   "reflectance", "refl", "wl", "nm", "r"})
+                                   "reflectance", "refl", "wl", "nm", "r", "transmittance", "trans", "t"})
     if (word.starts_with(prefix)) {
       word.erase(0, prefix.size());
       result.percent = result.percent || prefix == "spectralpct";
+      result.transmitted = prefix[0] == 't';
       break;
     }
   if (word.ends_with("nm")) word.erase(word.size() - 2);
@@ -81,6 +84,31 @@ bool is_unused(const Heading& heading) {
   return false;
 }
 
+/// The number of letters that differ (Levenshtein's distance), for short words.
+std::size_t distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// The column whose name a heading nearly has, or nothing.
+std::optional<std::string> misspelt(const Heading& heading) {
+  for (const char* name :
+       {"sample", "paints", "quantity", "backing", "thickness", "unit", "series", "specimen"})
+    if (heading.word.size() > 3 && distance(heading.word, name) <= 2) return name;
+  if (heading.word.starts_with("thickness")) return "thicknessum";
+  return {};
+}
+
 using OptionalColumn = std::optional<std::size_t>;
 
 /// The indices of the columns.
@@ -89,6 +117,7 @@ struct Columns {
   double thickness_scale = 1e-6;  ///< metres in the unit of the thickness
   bool percent = false;
   std::vector<std::vector<std::size_t>> values;  ///< for each repeat, the columns by increasing wavelength
+  std::vector<bool> transmitted;                 ///< for each repeat, whether it is of transmittances
   std::vector<double> nm;
 
   OptionalColumn* find(const std::string& name, double* scale = nullptr) {
@@ -117,12 +146,8 @@ struct Columns {
     return nullptr;
   }
 
-  explicit Columns(const TextRow& header, std::vector<std::string>& notes) {
-    struct Found {
-      std::size_t column;
-      double nm;
-    };
-    std::vector<Found> found;
+  Columns(const TextRow& header, Recipes recipes, std::vector<std::string>& notes) {
+    std::vector<Found> reflected, through;
     const auto line = [&](const TextCell& cell) { return cell.line ? cell.line : header.line; };
     for (std::size_t i = 0; i < header.cells.size(); ++i) {
       const TextCell& cell = header.cells[i];
@@ -132,48 +157,66 @@ struct Columns {
         continue;
       }
       if (const auto wavelength = wavelength_of(cell.text)) {
-        found.push_back({i, wavelength->nm}), percent = percent || wavelength->percent;
-        continue;
-      }
-      if (is_unused(Heading(cell.text))) {
-        notes.push_back("the column \"" + cell.text + "\" is not used");
+        (wavelength->transmitted ? through : reflected).push_back({i, wavelength->nm});
+        percent = percent || wavelength->percent;
         continue;
       }
       if (cell.text.empty() && i + 1 == header.cells.size()) continue;  // a separator at the end of the line
-      throw TextError(line(cell), cell.column,
-                      "unknown column \"" + cell.text + "\"; columns are " + kColumnNames +
-                          ", as in the line\n    " + kRightHeader);
+      const auto meant = is_unused(Heading(cell.text)) ? std::nullopt : misspelt(Heading(cell.text));
+      if (meant)
+        throw TextError(line(cell), cell.column,
+                        "unknown column \"" + cell.text + "\"; columns are " + kColumnNames +
+                            ", as in the line\n    " + kRightHeader);
+      notes.push_back("the column \"" + cell.text + "\" is not used");
     }
-    if (!paints)
+    if (!paints && (recipes == Recipes::required || !sample))
       throw TextError(
           header.line, 0,
           "there is no column \"paints\", the recipe of each sample; a line of headings that would be "
           "right:\n    " +
               std::string(kRightHeader));
-    if (found.empty())
+    if (reflected.empty() && through.empty())
       throw TextError(
           header.line, 0,
           "there is no column with a wavelength, such as 400, 400nm or R400; a line of headings that "
           "would be right:\n    " +
               std::string(kRightHeader));
-    if (!std::is_sorted(found.begin(), found.end(),
-                        [](const Found& a, const Found& b) { return a.nm < b.nm; }) &&
-        found.front().nm > found.back().nm)
+    if (!reflected.empty()) add(header, reflected, false, notes);
+    if (!through.empty()) add(header, through, true, notes);
+  }
+
+private:
+  struct Found {
+    std::size_t column;
+    double nm;
+  };
+
+  /// Adds the columns of one quantity.
+  void add(const TextRow& header, std::vector<Found> found, bool is_transmitted,
+           std::vector<std::string>& notes) {
+    const auto by_nm = [](const Found& a, const Found& b) { return a.nm < b.nm; };
+    if (!std::is_sorted(found.begin(), found.end(), by_nm) && found.front().nm > found.back().nm)
       notes.push_back("wavelengths descend; they are sorted");
-    std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.nm < b.nm; });
+    std::stable_sort(found.begin(), found.end(), by_nm);
+    std::vector<double> wavelengths;
     for (const Found& f : found)
-      if (nm.empty() || f.nm > nm.back()) nm.push_back(f.nm);
-    const std::size_t repeats = found.size() / nm.size();
-    values.resize(repeats);
+      if (wavelengths.empty() || f.nm > wavelengths.back()) wavelengths.push_back(f.nm);
+    const std::size_t repeats = found.size() / wavelengths.size(), first = values.size();
+    values.resize(first + repeats), transmitted.resize(first + repeats, is_transmitted);
+    const auto fail = [&](std::size_t column, const std::string& message) {
+      const TextCell& cell = header.cells[column];
+      throw TextError(cell.line ? cell.line : header.line, cell.column,
+                      message + "; a line of headings that would be right:\n    " + kRightHeader);
+    };
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (found.size() % nm.size() != 0 || found[i].nm != nm[i / repeats]) {
-        const TextCell& cell = header.cells[found[i].column];
-        throw TextError(line(cell), cell.column,
-                        "wavelengths must increase or all come equally often: \"" + cell.text +
-                            "\" does not; a line of headings that would be right:\n    " + kRightHeader);
-      }
-      values[i % repeats].push_back(found[i].column);
+      if (found.size() % wavelengths.size() != 0 || found[i].nm != wavelengths[i / repeats])
+        fail(found[i].column, "wavelengths must increase or all come equally often: \"" +
+                                  header.cells[found[i].column].text + "\" does not");
+      values[first + i % repeats].push_back(found[i].column);
     }
+    if (!nm.empty() && nm != wavelengths)
+      fail(found.front().column, "transmittances and reflectances need equal wavelengths");
+    nm = std::move(wavelengths);
     if (repeats > 1)
       notes.push_back("each wavelength has " + std::to_string(repeats) + " columns: they are repeats");
   }
@@ -193,6 +236,75 @@ std::optional<double> sum_beside_100(const std::string& recipe) {
   }
   if (std::abs(sum - 100) < 0.05 || std::abs(sum - 100) > 10) return {};
   return sum;
+}
+
+/// A value that the table lacks.
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+/// Values are interpolated between neighbours that are no further apart.
+constexpr double kWidestGap = 40;
+
+bool is_missing(const std::string& text) {
+  const std::string word = lower_case(text);
+  return word.empty() || word == "-" || word == "n/a" || word == "na" || word == "nan";
+}
+
+[[noreturn]] void fail_missing(const Sample& s, double nm, std::size_t i) {
+  throw TextError(!s.lines.empty() ? s.lines[i] : s.line, s.columns[i],
+                  "sample \"" + s.name + "\" has no value at " + number_text(nm) +
+                      " nm; the measurement or this wavelength of all measurements may be left out");
+}
+
+/// Leaves out wavelengths at the ends that a sample lacks, and interpolates over other missing values.
+void fill_missing(SampleTable& table) {
+  const auto is_known = [](double v) { return !std::isnan(v); };
+  std::size_t first = 0, last = table.nm.size();
+  for (const Sample& s : table.samples) {
+    const auto begin = std::find_if(s.values.begin(), s.values.end(), is_known);
+    if (begin == s.values.end()) fail_missing(s, table.nm.front(), 0);
+    const auto end = std::find_if(s.values.rbegin(), s.values.rend(), is_known);
+    first = std::max(first, std::size_t(begin - s.values.begin()));
+    last = std::min(last, s.values.size() - std::size_t(end - s.values.rbegin()));
+  }
+  const std::size_t all = table.nm.size();
+  if (first + 1 >= last)
+    for (const Sample& s : table.samples)
+      for (std::size_t i = 0; i < all; ++i)
+        if (!is_known(s.values[i])) fail_missing(s, table.nm[i], i);
+  const auto cut = [&](auto& values) {
+    if (values.size() != all) return;
+    values.erase(values.begin() + std::ptrdiff_t(last), values.end());
+    values.erase(values.begin(), values.begin() + std::ptrdiff_t(first));
+  };
+  int count = 0;
+  std::string place;
+  for (Sample& s : table.samples) {
+    std::size_t before = all;  // the last known value
+    for (std::size_t i = 0; i < all; ++i) {
+      if (!is_known(s.values[i])) continue;
+      const double gap = before < i ? table.nm[i] - table.nm[before] : 0;
+      for (std::size_t j = before + 1; before < i && j < i; ++j) {
+        // A gap that the cut removes does not matter.
+        if (gap > kWidestGap && j >= first && j < last) fail_missing(s, table.nm[j], j);
+        const double t = (table.nm[j] - table.nm[before]) / gap;
+        s.values[j] = s.values[before] + t * (s.values[i] - s.values[before]);
+        if (j < first || j >= last) continue;
+        if (count++ == 0)
+          place = "line " + std::to_string(!s.lines.empty() ? s.lines[j] : s.line) + ", \"" + s.name +
+                  "\" at " + number_text(table.nm[j]) + " nm";
+      }
+      before = i;
+    }
+    cut(s.values), cut(s.columns), cut(s.lines);
+  }
+  if (last - first < all)
+    table.notes.push_back(
+        std::to_string(all - (last - first)) +
+        " wavelengths at the ends, which a sample lacks, are left out: " + number_text(table.nm[first]) +
+        " to " + number_text(table.nm[last - 1]) + " nm remain");
+  if (count > 0)
+    table.notes.push_back(std::to_string(count) + (count == 1 ? " missing value is" : " missing values are") +
+                          " interpolated; the first: " + place);
+  cut(table.nm);
 }
 
 /// One row of the table: a measurement, or several repeats.
@@ -241,16 +353,24 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   has_unit = !unit.empty() || columns.percent;
   const bool percent = unit.empty() ? columns.percent : unit != "fraction";
   std::vector<Sample> all;
-  for (const std::vector<std::size_t>& run : columns.values) {
+  const bool has_film =
+      std::find(columns.transmitted.begin(), columns.transmitted.end(), true) != columns.transmitted.end();
+  const auto is_empty = [&](std::size_t column) { return is_missing(row.cells[column].text); };
+  const auto is_measured = [&](std::size_t r) {
+    return !std::all_of(columns.values[r].begin(), columns.values[r].end(), is_empty);
+  };
+  // A film of which transmittances are given lies on nothing.
+  for (std::size_t r = 0; r < columns.values.size(); ++r)
+    if (columns.transmitted[r] && is_measured(r) && text(columns.backing).empty() && !s.paints.empty())
+      s.backing = "none";
+  for (std::size_t r = 0; r < columns.values.size(); ++r) {
+    const std::vector<std::size_t>& run = columns.values[r];
+    if (has_film && !is_measured(r)) continue;  // a row may have one quantity only
     Sample& one = all.emplace_back(s);
+    if (columns.transmitted[r]) one.quantity = Sample::Quantity::transmittance;
     bool down = false;
     for (const std::size_t column : run) {
-      if (row.cells[column].text.empty())
-        throw TextError(line(column), row.cells[column].column,
-                        "sample \"" + s.name + "\" has no value at " +
-                            number_text(columns.nm[one.values.size()]) +
-                            " nm; the measurement or this wavelength of all measurements may be left out");
-      one.values.push_back(number_of(row, column) * (percent ? 0.01 : 1));
+      one.values.push_back(is_empty(column) ? kMissing : number_of(row, column) * (percent ? 0.01 : 1));
       one.columns.push_back(row.cells[column].column), one.lines.push_back(line(column));
       down = down || row.cells[column].line > 0;
     }
@@ -356,7 +476,7 @@ bool change_decimal_commas(std::vector<TextRow>& rows) {
 
 }  // namespace
 
-SampleTable read_samples(std::istream& stream) {
+SampleTable read_samples(std::istream& stream, Recipes recipes) {
   SampleTable table;
   std::vector<std::string>& notes = table.notes;
   const std::string text = utf8_text({std::istreambuf_iterator<char>(stream), {}}, &notes);
@@ -404,7 +524,7 @@ SampleTable read_samples(std::istream& stream) {
                         "expected " + std::to_string(width) + " cells as in line " +
                             std::to_string(best.rows.front().line) + ", got " +
                             std::to_string(row.cells.size()));
-    bool has_paints = false;
+    bool has_paints = recipes == Recipes::optional;
     for (const TextRow& row : best.rows)
       has_paints = has_paints || Heading(row.cells[0].text).word == "paints";
     for (TextRow& row : best.rows)
@@ -415,7 +535,7 @@ SampleTable read_samples(std::istream& stream) {
       }
     best.rows = transposed(best.rows);
   }
-  const Columns columns(best.rows.front(), notes);
+  const Columns columns(best.rows.front(), recipes, notes);
   table.nm = columns.nm;
   std::vector<std::size_t> without_unit;
   double largest = 0;
@@ -432,7 +552,7 @@ SampleTable read_samples(std::istream& stream) {
     for (Sample& s : samples_of(row, columns, notes, has_unit)) {
       if (!has_unit) {
         without_unit.push_back(table.samples.size());
-        largest = std::max(largest, *std::max_element(s.values.begin(), s.values.end()));
+        for (const double v : s.values) largest = std::max(largest, std::isnan(v) ? 0 : v);
       }
       table.samples.push_back(std::move(s));
     }
@@ -443,7 +563,30 @@ SampleTable read_samples(std::istream& stream) {
     notes.push_back("values up to " + number_text(largest) +
                     " have no unit and are taken for per cent; a column \"unit\" with percent says so");
   }
+  if (!table.samples.empty()) fill_missing(table);
   return table;
+}
+
+Instrument instrument_called(const std::string& text) {
+  std::string word;
+  for (const char c : lower_case(text))
+    if (std::isalnum(static_cast<unsigned char>(c))) word += c;
+  const auto has = [&](std::initializer_list<const char*> parts) {
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const char* part) { return word.find(part) != word.npos; });
+  };
+  Instrument result;
+  if (has({"450", "045", "45a0", "45c0", "0a45", "45x0"}))
+    result.geometry = "45_0";
+  else if (has({"d8", "di8", "de8", "8d", "8di", "8de", "d0", "0d", "sphere"}))
+    result.geometry = "d8";
+  if (has({"excluded", "sce", "spex", "de8", "8de"}))
+    result.specular = "excluded";
+  else if (has({"included", "sci", "spin", "di8", "8di"}))
+    result.specular = "included";
+  if (result.geometry == "45_0")
+    result.specular = "excluded";  // light of 45 degrees never reaches it by the gloss
+  return result;
 }
 
 std::string sample_table_template() {

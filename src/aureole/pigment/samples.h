@@ -28,12 +28,25 @@ struct Sample {
   int line = 0;                   ///< line number in the file, from 1; 0: not from a text file
   std::vector<int> columns = {};  ///< column numbers of the values in that line
   std::vector<int> lines = {};    ///< line numbers of the values, if they differ: wavelengths down
+  std::string file = {};          ///< the file, in a table that several files were joined to
 };
+
+/// How an instrument measured, as far as a file states it; empty: not stated.
+struct Instrument {
+  std::string geometry;  ///< "diffuse", "d8" or "45_0", as `geometry_called` knows them
+  std::string specular;  ///< "included" or "excluded"
+  std::string aperture;  ///< size or name
+
+  bool operator==(const Instrument&) const = default;
+};
+/// The geometry that a text states, such as "45/0", "d/8 SCI" or "Sphere, specular excluded".
+Instrument instrument_called(const std::string& text);
 
 struct SampleTable {
   std::vector<double> nm;
   std::vector<Sample> samples;
   std::vector<std::string> notes = {};  ///< what reading a file assumed, for the user to confirm
+  Instrument instrument = {};
 };
 
 /// An error in a text and its position, counting from 1 (0: unknown).
@@ -61,15 +74,21 @@ private:
   int wavelength_;
 };
 
+/// Whether a table must say of which paints its samples are. Colours alone do not need it.
+enum class Recipes { required, optional };
+
 /// Reads a table of text as laboratories write it. Cells are separated by commas, semicolons or tabs; with the last
 /// two, numbers may have decimal commas. Text may be UTF-16 or Windows-1252. Empty columns at the end, lines before the table, empty lines and lines beginning
 /// with '#' are skipped. A line names the columns, in any case: "paints" (a recipe; required), "sample", "specimen",
 /// "series", "quantity" (R or T), "backing", "thickness_um" (or "thickness (mm)"), "unit" ("fraction" or "percent"),
 /// and wavelengths: "400", "400nm", "R400", "nm400", "%R 400" and the like, in any order. Wavelengths that all come
-/// several times are repeats. Instead, the first column may have these names, and the others one measurement each.
+/// several times are repeats. Columns "T400" and the like are transmittances of the free film whose reflectances
+/// stand in the others. Other columns are not used, unless their names are nearly those of known ones. Missing values
+/// between two neighbours no more than 40 nm apart are interpolated, and wavelengths at the ends that a sample lacks are
+/// left out for all. Instead, the first column may have these names, and the others one measurement each.
 /// Without a unit, values above 1.5 are taken for per cent. What is assumed or not used is in `notes`. Throws
 /// TextError that says what was expected and gives a line that would be right.
-SampleTable read_samples(std::istream& text);
+SampleTable read_samples(std::istream& text, Recipes recipes = Recipes::required);
 
 /// An empty table with examples, for a spreadsheet.
 std::string sample_table_template();

@@ -112,6 +112,10 @@ double inner_reflectance(const Surface& surface, double outer) {
   return std::min(inner, 1.0);
 }
 
+double converted_reflectance(const Surface& from, const Surface& to, double outer) {
+  return outer_reflectance(to, inner_reflectance(from, outer));
+}
+
 LayerTransfer outer_transfer(const Surface& surface, LayerTransfer inner) {
   // For the sum and the difference of equal beams from both sides, the layer acts as if it had a mirror (R +
   // T and R - T), which is Saunderson's one-sided problem.

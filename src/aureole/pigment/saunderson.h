@@ -55,6 +55,11 @@ double outer_reflectance(const Surface& surface, double inner);
 /// reflectance or implies an inner reflectance above one.
 double inner_reflectance(const Surface& surface, double outer);
 
+/// The reflectance that an instrument of geometry `to` would measure of a layer that one of geometry `from` measured:
+/// `outer_reflectance(to, inner_reflectance(from, outer))`, for a smooth binder of one index. With k1 of the binder it
+/// adds or removes gloss (specular component included or excluded).
+double converted_reflectance(const Surface& from, const Surface& to, double outer);
+
 /// Reflectance and transmittance of a layer with equal interfaces on both sides, in diffuse light:
 ///     N = (1 - k2 R)^2 - (k2 T)^2,  R' = seen + through (R - k2 (R^2 - T^2))/N,  T' = through T/N.
 LayerTransfer outer_transfer(const Surface& surface, LayerTransfer inner);

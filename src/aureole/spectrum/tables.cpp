@@ -16,6 +16,7 @@ struct IlluminantRecord {
 };
 
 #include "aureole/spectrum/data/cie_1931_observer.inc"
+#include "aureole/spectrum/data/cie_1964_observer.inc"
 #include "aureole/spectrum/data/illuminants.inc"
 
 /// Wavelengths 300, 305, ... 830 nm: every illuminant uses a subrange of them.
@@ -44,6 +45,11 @@ double TabulatedSpectrum::at(double lambda_nm) const {
 
 const Observer& cie_1931_observer() {
   static const Observer observer{360.0, 1.0, kObserverX, kObserverY, kObserverZ};
+  return observer;
+}
+
+const Observer& cie_1964_observer() {
+  static const Observer observer{360.0, 1.0, kObserver10X, kObserver10Y, kObserver10Z};
   return observer;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tabulated colorimetric data of the CIE: the 1931 observer and the illuminants, in double precision, with
+// Tabulated colorimetric data of the CIE: the 1931 and 1964 observers and the illuminants, in double precision, with
 // wavelengths in nm.
 #pragma once
 
@@ -29,6 +29,10 @@ struct Observer {
 
 /// The CIE 1931 2-degree standard observer, 360-830 nm in steps of 1 nm (CIE 018:2019; ISO/CIE 11664-1).
 const Observer& cie_1931_observer();
+
+/// The CIE 1964 10-degree standard observer, 360-830 nm in steps of 1 nm (CIE 15:2004, table T.5; ISO/CIE
+/// 11664-1). Colours of surfaces that are viewed at more than 4 degrees are stated for it.
+const Observer& cie_1964_observer();
 
 /// The integral of y-bar over wavelength, trapezoidal over the 1 nm table: 106.856915 nm.
 double cie_y_integral();

@@ -58,6 +58,44 @@ TEST(ColourDifference, PublishedPairs) {
   EXPECT_EQ(ciede2000({50, 0, 0}, {50, 0, 0}), 0);
 }
 
+/// By colour-science 0.4.7 and, for DIN99o, coloraide 8: tests/references/colour_figures.py prints these numbers.
+TEST(ColourDifference, OtherFormulasAgreeWithOtherPrograms) {
+  struct Reference {
+    Lab a, b;
+    double cie1976, cmc21, cmc11, graphic_arts, textiles, din99o;
+  };
+  const Reference references[] = {
+      {{50, 2.6772, -79.7751}, {50, 0, -82.7485}, 4.001063, 1.738736, 1.738736, 1.395039, 1.423046, 1.767769},
+      {{60.2574, -34.0099, 36.2677},
+       {60.4626, -34.1751, 39.4387},
+       3.181924,
+       1.420486,
+       1.428230,
+       1.390995,
+       1.389733,
+       1.710469},
+      {{10, 5, 4}, {12, 3, 6}, 3.464102, 4.768942, 5.850789, 3.261589, 2.777393, 4.080523},
+      {{90, -2, 60}, {88, 4, 55}, 8.062258, 4.109348, 4.285418, 4.002173, 3.679736, 4.690548},
+      {{40, 30, -50}, {41, 25, -52}, 5.477226, 3.167056, 3.292843, 3.028856, 2.992120, 4.039487},
+      {{75, 0, 0}, {74, 1, 1}, 1.732051, 2.248647, 2.342059, 1.732051, 1.500000, 2.458477},
+      {{30, -40, 10}, {33, -38, 16}, 7.000000, 4.094271, 5.216627, 4.926509, 4.281274, 5.647552},
+      {{55, 0.5, 50}, {55, -0.5, 50}, 1.000000, 0.664920, 0.664920, 0.571416, 0.588223, 0.739096}};
+  for (const Reference& r : references) {
+    EXPECT_NEAR(cie1976(r.a, r.b), r.cie1976, 1e-6);
+    EXPECT_NEAR(cmc(r.a, r.b), r.cmc21, 1e-6);
+    EXPECT_NEAR(cmc(r.a, r.b, 1, 1), r.cmc11, 1e-6);
+    EXPECT_NEAR(cie94(r.a, r.b), r.graphic_arts, 1e-6);
+    EXPECT_NEAR(cie94(r.a, r.b, Cie94::textiles), r.textiles, 1e-6);
+    EXPECT_NEAR(din99o(r.a, r.b), r.din99o, 1e-5);
+    const LchDifference d = lch_difference(r.a, r.b);
+    EXPECT_NEAR(std::hypot(d.l, d.c, d.h), r.cie1976, 1e-6);
+  }
+  // From red (h = 0) to yellowish red the hue angle increases; opposite hues differ by the sum of the chromas.
+  EXPECT_GT(lch_difference({50, 10, 0}, {50, 10, 1}).h, 0);
+  EXPECT_NEAR(lch_difference({50, 10, 0}, {50, -10, 0}).h, 20, 1e-9);
+  EXPECT_NEAR(hue_degrees({50, 0, -1}), 270, 1e-12);
+}
+
 TEST(ColourDifference, LabBothWays) {
   const Xyz white{0.9505, 1, 1.089};
   const Lab grey = lab_of_xyz({0.18 * 0.9505, 0.18, 0.18 * 1.089}, white);

@@ -156,7 +156,7 @@ TEST(PigmentSamples, PlacesOfErrors) {
   where("paints,500\nwhite,nan\n", 2, 7);
   where("paints,500\nwhite\n", 2, 0);
   where("paints,500,400,500\n", 1, 12);
-  where("paints,colour,500\n", 1, 8);
+  where("paints,thicknes,500\n", 1, 8);
   where("nm\twhite\tred\n500\t0.9\t0.5\n600\t0.9\tdark\n", 3, 9);
   where("paints;500\nwhite;0,9\nred;0,x\n", 3, 5);
   where("paints,sample\nwhite,x\n", 1, 0);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <sstream>
@@ -392,6 +393,28 @@ TEST(JointFit, SyntheticFilmsArePredicted) {
               std::sqrt(rms[0]), std::sqrt(rms[1]));
   EXPECT_LT(std::sqrt(rms[1]), 0.008);
   EXPECT_LT(rms[1], rms[0]);
+}
+
+TEST(JointFit, SaysThatItDidNotConverge) {
+  Workshop lab;
+  const SampleTable table = lab.table(0);
+  const auto two = two_flux_theory(lab.surface);
+  EXPECT_TRUE(JointFit(table, *two).converged());
+  JointSettings settings;
+  settings.iterations = 1;
+  const JointFit fit(table, *two, settings);
+  EXPECT_FALSE(fit.converged());
+  const std::vector<std::string> notes = joint_notes(fit);
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& n) {
+    return n.find("did not converge") != std::string::npos;
+  }));
+  // A table of twice the specimens takes longer, by at most the cube and at least in proportion.
+  SampleTable twice = table;
+  for (Sample s : table.samples)
+    if (!s.paints.empty()) s.specimen = specimen_key(s) + " again", twice.samples.push_back(s);
+  const double ratio = joint_fit_seconds(twice) / joint_fit_seconds(table);
+  EXPECT_GT(ratio, 1.5);
+  EXPECT_LT(ratio, 8);
 }
 
 TEST(JointFit, BadInputIsNamed) {

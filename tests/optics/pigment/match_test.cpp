@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <random>
@@ -127,6 +128,178 @@ TEST(PigmentMatch, ThinLayersOverASubstrate) {
                            {.max_paints = 2, .thickness = 0.8, .substrate = substrate});
   for (std::size_t i = 0; i < truth.size(); ++i)
     EXPECT_NEAR(found[0].fractions[i], truth[i], 0.01 * truth[i] + 1e-12);
+}
+
+/// Paints with a white, a black and bands of absorption at different wavelengths, made from a seed; every 10 nm.
+Palette synthetic_palette(int count) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Palette palette;
+  for (double l = 400; l <= 700; l += 10) palette.nm.push_back(l);
+  palette.surface = kimera_surface();
+  for (int p = 0; p < count; ++p) {
+    Pigment& one = palette.pigments.emplace_back();
+    one.name = "p" + std::to_string(p);
+    const double centre = 380 + 340 * uniform(random), width = 25 + 60 * uniform(random),
+                 strength = std::exp(4 * uniform(random) - 1), scattering = std::exp(2 * uniform(random) - 2);
+    for (const double l : palette.nm) {
+      const double band = std::exp(-std::pow((l - centre) / width, 2));
+      one.k.push_back(p == 0 ? 0.002 : p == 1 ? 20 : strength * (band + 0.01));
+      one.s.push_back(p == 0 ? 1 : p == 1 ? 0.05 : scattering * std::sqrt(550 / l));
+    }
+  }
+  return palette;
+}
+
+Observation observation_at(const std::vector<double>& nm, double kelvin) {
+  const auto bell = [](double centre, double width) {
+    return [=](double l) { return std::exp(-std::pow((l - centre) / width, 2)); };
+  };
+  return Observation(
+      "lamp", nm, [=](double l) { return std::pow(l, -5) / std::expm1(1.4388e7 / (l * kelvin)); },
+      {[=](double l) { return bell(600, 50)(l) + 0.35 * bell(445, 28)(l); }, bell(555, 60), bell(450, 35)});
+}
+
+/// 102,090 sets of at most four of 40 paints: the recipe of a mixture of four comes back, as the one that matches under
+/// all lamps. The time is for two threads.
+TEST(PigmentMatch, FourOfFortyPaints) {
+  const Palette palette = synthetic_palette(40);
+  const Observation day = observation_at(palette.nm, 6500);
+  const std::vector<Observation> others{observation_at(palette.nm, 2856)};
+  std::vector<double> truth(40);
+  truth[0] = 0.8, truth[5] = 0.12, truth[17] = 0.05, truth[30] = 0.03;
+  const auto r = paint_reflectance(mix(palette, truth), kInfinity, {}, palette.surface);
+  const auto start = std::chrono::steady_clock::now();
+  const auto found = match(palette, {day.lab(r), r}, day, others, {.max_paints = 4}, std_thread_for(2));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("4 of 40 paints: %.2f s, Delta E %.2g\n", seconds, found[0].difference);
+  EXPECT_LT(found[0].difference, 1e-3);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    EXPECT_NEAR(found[0].fractions[i], truth[i], 0.01 * truth[i] + 1e-9);
+}
+
+/// Sets of four are tried only where a paint more helps. Nothing is lost against trying all sets of twelve paints.
+TEST(PigmentMatch, SearchesOfManySetsLoseNothing) {
+  const Palette palette = synthetic_palette(18);
+  const Observation day = observation_at(palette.nm, 6500);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int trial = 0; trial < 4; ++trial) {
+    const Lab target{20 + 70 * uniform(random), 120 * uniform(random) - 60, 120 * uniform(random) - 60};
+    const double best = match(palette, {target}, day, {}, {.max_paints = 4, .solutions = 1})[0].difference;
+    std::vector<std::size_t> order(18);
+    for (std::size_t i = 0; i < 18; ++i) order[i] = i;
+    for (int part = 0; part < 3; ++part) {
+      std::shuffle(order.begin(), order.end(), random);
+      MatchSettings settings{.max_paints = 4, .solutions = 1};
+      settings.most.assign(18, 1);
+      for (std::size_t i = 12; i < 18; ++i) settings.most[order[i]] = 0;
+      EXPECT_LE(best, match(palette, {target}, day, {}, settings)[0].difference + 1e-3) << trial;
+    }
+  }
+}
+
+TEST(PigmentMatch, ForbiddenPairsSmallestAmountsAndPrices) {
+  const Bench bench;
+  const MatchTarget target = bench.target("violet: 0.5% + green: 1% + white: 98.5%");
+  const auto violet = *bench.palette.find("violet"), green = *bench.palette.find("green");
+  MatchSettings settings{.solutions = 50, .forbidden = {{green, violet}}};
+  settings.price.assign(13, 2), settings.price[violet] = 30;
+  for (const Match& m : match(bench.palette, target, bench.day, bench.others, settings)) {
+    EXPECT_TRUE(m.fractions[violet] == 0 || m.fractions[green] == 0);
+    EXPECT_NEAR(m.cost, 2 + 28 * m.fractions[violet], 1e-12);
+  }
+  settings.forbidden.clear(), settings.smallest = 0.008;
+  for (const Match& m : match(bench.palette, target, bench.day, bench.others, settings))
+    for (const double f : m.fractions) EXPECT_TRUE(f == 0 || f >= 0.008);
+}
+
+/// No recipe of the trade-offs is better than another one in everything, and of all recipes none is better than one of
+/// them in everything by more than the steps of the comparison.
+TEST(PigmentMatch, TradeOffsAreNotDominated) {
+  const Bench bench;
+  const MatchTarget target = bench.target("red: 15% + cold yellow: 5% + white: 80%");
+  MatchSettings settings{.solutions = 1000};
+  for (std::size_t i = 0; i < 13; ++i) settings.price.push_back(1 + double(i * 7 % 13));
+  const auto all = match(bench.palette, target, bench.day, bench.others, settings);
+  settings.trade_offs = true, settings.within = 3;
+  const auto front = match(bench.palette, target, bench.day, bench.others, settings);
+  ASSERT_GT(front.size(), 2u);
+  const auto better = [](const Match& a, const Match& b) {
+    return a.difference < b.difference - 0.02 && a.cost < b.cost - 1e-5 &&
+           a.metamerism() < b.metamerism() - 0.02;
+  };
+  for (const Match& m : front) {
+    EXPECT_LE(m.difference, 3);
+    for (const Match& other : all) EXPECT_FALSE(better(other, m));
+  }
+  settings.solutions = 3;
+  const auto few = match(bench.palette, target, bench.day, bench.others, settings);
+  ASSERT_EQ(few.size(), 3u);
+  const auto cheapest = [](const std::vector<Match>& of) {
+    double least = kInfinity;
+    for (const Match& m : of) least = std::min(least, m.cost);
+    return least;
+  };
+  EXPECT_NEAR(cheapest(few), cheapest(front), 1e-12);
+  settings.within = 1e-9;
+  EXPECT_THROW(match(bench.palette, {{50, 100, 100}}, bench.day, {}, settings), std::domain_error);
+}
+
+/// A paint and white: 1 % more of the paint changes its fraction f by 1 % f (1 - f)/(1 + f/100).
+TEST(PigmentMatch, DosingErrors) {
+  const Bench bench;
+  const auto found =
+      match(bench.palette, bench.target("red: 20% + white: 80%"), bench.day, {}, {.max_paints = 2});
+  const auto red = *bench.palette.find("red"), white = *bench.palette.find("white");
+  const double f = found[0].fractions[red], more = 1.01 * f / (1 + 0.01 * f);
+  std::vector<double> shares(13);
+  shares[red] = more, shares[white] = 1 - more;
+  const auto r = paint_reflectance(mix(bench.palette, shares), kInfinity, {}, bench.palette.surface);
+  EXPECT_NEAR(found[0].dosing[red], ciede2000(found[0].lab, bench.day.lab(r)), 1e-9);
+  EXPECT_NEAR(found[0].dosing_error, std::hypot(found[0].dosing[red], found[0].dosing[white]), 1e-12);
+  EXPECT_GT(found[0].dosing_error, 0.01);
+}
+
+/// By the spectrum the rms is smaller than by the colour, which is nearer in colour; by all lamps the largest difference
+/// is smaller.
+TEST(PigmentMatch, ByColourLampsOrSpectrum) {
+  const Bench bench;
+  MatchTarget target = bench.target("magenta: 33% + orange: 33% + yellow oxide: 34%");
+  for (std::size_t i = 0; i < target.reflectance.size(); ++i)
+    target.reflectance[i] += 0.02 * std::sin(0.05 * double(i));
+  target.lab = bench.day.lab(target.reflectance);
+  const auto best = [&](MatchBy by) {
+    return match(bench.palette, target, bench.day, bench.others, {.solutions = 1, .by = by})[0];
+  };
+  const Match colour = best(MatchBy::colour), lamps = best(MatchBy::lamps),
+              spectrum = best(MatchBy::spectrum);
+  EXPECT_LT(spectrum.rms, colour.rms);
+  EXPECT_LE(colour.difference, spectrum.difference + 1e-9);
+  EXPECT_LT(std::hypot(lamps.difference, lamps.metamerism()),
+            std::hypot(colour.difference, colour.metamerism()));
+  EXPECT_THROW(match(bench.palette, {{50, 0, 0}}, bench.day, {}, {.by = MatchBy::spectrum}),
+               std::domain_error);
+}
+
+TEST(PigmentMatch, ContrastAtAThickness) {
+  const Bench bench;
+  const MatchTarget target = bench.target("cold yellow: 60% + white: 40%");
+  MatchSettings settings{.thickness = 3, .substrate = {0.8}, .least_contrast = 0.9};
+  const auto found = match(bench.palette, target, bench.day, {}, settings);
+  for (const Match& m : found) {
+    EXPECT_GE(m.contrast, 0.9);
+    const Paint paint = mix(bench.palette, m.fractions);
+    const auto luminous = [&](double below) {
+      const double substrate[] = {below};
+      return bench.day.xyz(paint_reflectance(paint, 3, substrate, bench.palette.surface))[1];
+    };
+    EXPECT_NEAR(m.contrast, luminous(0) / luminous(0.8), 1e-9);
+  }
+  settings.thickness = 0.01;
+  EXPECT_THROW(match(bench.palette, target, bench.day, {}, settings), std::domain_error);
+  settings.thickness = kInfinity;
+  EXPECT_THROW(match(bench.palette, target, bench.day, {}, settings), std::domain_error);
 }
 
 TEST(PigmentMatch, ThreadsDoNotChangeABit) {

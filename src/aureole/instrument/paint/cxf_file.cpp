@@ -57,9 +57,11 @@ public:
     for (const pugi::xml_node& s : descendants(root, "ColorSpecification")) {
       const auto ranges = descendants(s, "WavelengthRange");
       if (!ranges.empty()) ranges_.emplace(s.attribute("Id").value(), ranges.front());
+      instruments_.emplace(s.attribute("Id").value(), instrument_of(s));
     }
     for (const pugi::xml_node& o : descendants(root, "Object")) read_object(o);
     if (table_.samples.empty()) fail(root, "there is no object with a reflectance or transmittance spectrum");
+    scale_per_cent();
   }
   pigment::SampleTable take() { return std::move(table_); }
 
@@ -93,6 +95,71 @@ private:
     if (range == ranges_.end()) return {};
     if (const auto a = range->second.attribute(name)) return number(range->second, a.value(), name);
     return {};
+  }
+
+  /// Geometry, specular component and aperture of a colour specification (GeometryChoice and Aperture of its
+  /// MeasurementSpec).
+  pigment::Instrument instrument_of(const pugi::xml_node& specification) const {
+    pigment::Instrument result;
+    for (const pugi::xml_node& sphere : descendants(specification, "SphereGeometry")) {
+      result = pigment::instrument_called(sphere.text().get());
+      result.geometry = std::string_view(sphere.text().get()) == "Diffuse" ? "diffuse" : "d8";
+    }
+    for (const pugi::xml_node& single : descendants(specification, "SingleAngle")) {
+      const auto angle = [&](const char* name) {
+        const auto found = descendants(single, name);
+        if (found.empty()) fail(single, fmt::format("SingleAngle needs {}", name));
+        return number(found.front(), found.front().text().get(), name);
+      };
+      const double lit = angle("IlluminationAngle"), seen = angle("MeasurementAngle");
+      if ((lit == 45 && seen == 0) || (lit == 0 && seen == 45))
+        result.geometry = "45_0", result.specular = "excluded";
+      else
+        fail(single,
+             fmt::format("light from {:g} and measurement at {:g} degrees: expected 45 and 0", lit, seen));
+    }
+    for (const pugi::xml_node& multiple : descendants(specification, "MultiAngle"))
+      fail(multiple,
+           "measurements at several angles are of surfaces that vary with angle, which no paint here does");
+    for (const pugi::xml_node& aperture : descendants(specification, "Aperture"))
+      result.aperture = aperture.text().get();
+    return result;
+  }
+
+  /// Notes or refuses measurements of one file by different instruments.
+  void compare_instruments(const pugi::xml_node& spectrum, const pigment::Sample& sample) {
+    const auto found = instruments_.find(spectrum.attribute("ColorSpecification").value());
+    const pigment::Instrument now = found == instruments_.end() ? pigment::Instrument{} : found->second;
+    if (table_.samples.empty()) {
+      table_.instrument = now;
+      return;
+    }
+    const pigment::Instrument& first = table_.instrument;
+    if (now.geometry != first.geometry || now.specular != first.specular)
+      fail(spectrum,
+           fmt::format("\"{}\" was measured at {} (specular {}), the first sample at {} (specular {}): "
+                       "one table has one geometry",
+                       sample.name, now.geometry.empty() ? "an unknown geometry" : now.geometry,
+                       now.specular.empty() ? "unknown" : now.specular,
+                       first.geometry.empty() ? "an unknown geometry" : first.geometry,
+                       first.specular.empty() ? "unknown" : first.specular));
+    if (now.aperture != first.aperture && !has_aperture_note_) {
+      has_aperture_note_ = true;
+      table_.notes.push_back(fmt::format(
+          "apertures differ ({} and {}): translucent layers lose more light at the edge of a small one",
+          first.aperture, now.aperture));
+    }
+  }
+
+  /// CxF has fractions; some programs write per cent.
+  void scale_per_cent() {
+    double largest = 0;
+    for (const pigment::Sample& s : table_.samples)
+      for (const double v : s.values) largest = std::max(largest, v);
+    if (!(largest > 1.5)) return;
+    for (pigment::Sample& s : table_.samples)
+      for (double& v : s.values) v *= 0.01;
+    table_.notes.push_back(fmt::format("values up to {:g} are taken for per cent", largest));
   }
 
   void read_object(const pugi::xml_node& object) {
@@ -150,6 +217,7 @@ private:
            fmt::format("the spectrum of \"{}\" has {} values from {:g} nm in steps of {:g}; all need the "
                        "wavelengths of the first",
                        s.name, nm.size(), *start, *step));
+    compare_instruments(spectrum, s);
     table_.samples.push_back(std::move(s));
   }
 
@@ -181,7 +249,9 @@ private:
   std::string text_;
   std::vector<std::ptrdiff_t> line_ends_;
   pugi::xml_document document_;
-  std::map<std::string, pugi::xml_node> ranges_;  ///< by the Id of a ColorSpecification
+  std::map<std::string, pugi::xml_node> ranges_;            ///< by the Id of a ColorSpecification
+  std::map<std::string, pigment::Instrument> instruments_;  ///< by the Id of a ColorSpecification
+  bool has_aperture_note_ = false;
   pigment::SampleTable table_;
 };
 

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/loading/values.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 
@@ -65,21 +67,7 @@ std::optional<Xyz> hex_colour(const std::string& text) {
 /// Returns the mean reflectance of the samples of that name at the wavelengths common to file and palette.
 ColourTarget measured_target(const std::string& file, const std::string& name,
                              const pigment::Palette& palette, const std::string& illuminant) {
-  const pigment::SampleTable table = read_sample_file(file);
-  std::vector<double> mean(table.nm.size());
-  std::vector<std::string> known;
-  int count = 0;
-  for (const pigment::Sample& s : table.samples) {
-    if (std::find(known.begin(), known.end(), s.name) == known.end()) known.push_back(s.name);
-    if (s.name != name || s.quantity != pigment::Sample::Quantity::reflectance) continue;
-    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += s.values[i];
-    ++count;
-  }
-  if (count == 0)
-    throw Error({file, 0, 0}, "no sample is called \"" + name + "\"" + did_you_mean(name, known) +
-                                  fmt::format("; there are {}", fmt::join(known, ", ")));
-  for (double& v : mean) v /= count;
-
+  const MeasuredReflectance mean = mean_reflectance(file, name);
   ColourTarget result;
   pigment::Palette& cut = result.palette;
   cut = palette;
@@ -87,42 +75,115 @@ ColourTarget measured_target(const std::string& file, const std::string& name,
   for (pigment::Pigment& p : cut.pigments) p.k.clear(), p.s.clear(), p.k_error.clear(), p.s_error.clear();
   for (std::size_t i = 0; i < palette.nm.size(); ++i) {
     const double nm = palette.nm[i];
-    if (nm < table.nm.front() || nm > table.nm.back()) continue;
+    if (nm < mean.nm.front() || nm > mean.nm.back()) continue;
     cut.nm.push_back(nm);
     for (std::size_t p = 0; p < cut.pigments.size(); ++p) {
       cut.pigments[p].k.push_back(palette.pigments[p].k[i]);
       cut.pigments[p].s.push_back(palette.pigments[p].s[i]);
     }
-    result.target.reflectance.push_back(TabulatedSpectrum{table.nm, mean}.at(nm));
   }
   if (cut.nm.size() < 2)
     throw Error(
         {file, 0, 0},
         fmt::format(
             "its wavelengths, {:g} to {:g} nm, and those of the palette, {:g} to {:g} nm, do not overlap",
-            table.nm.front(), table.nm.back(), palette.nm.front(), palette.nm.back()));
+            mean.nm.front(), mean.nm.back(), palette.nm.front(), palette.nm.back()));
+  result.target.reflectance = mean.at(cut.nm);
   result.target.lab = observe(illuminant, cut.nm).lab(result.target.reflectance);
   return result;
 }
 
+/// A lamp's power by wavelength: that of an illuminant, or of a file.
+struct Lamp {
+  std::vector<double> nm, power;
+};
+
+Lamp lamp_called(const std::string& name) {
+  if (const auto found = find_illuminant(name))
+    return {{found->wavelengths_nm.begin(), found->wavelengths_nm.end()},
+            {found->values.begin(), found->values.end()}};
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(name, code))
+    throw Error(
+        "unknown illuminant \"" + name + "\"" + did_you_mean(name, illuminant_names()) +
+        ", and there is no file of that name; a measured lamp is a file of two columns, wavelength and "
+        "power, as in the line\n    400,0.82");
+  const SpectrumLiteral read = read_spectrum_file(name);
+  for (std::size_t i = 0; i < read.nm.size(); ++i)
+    if (read.values[i] < 0)
+      throw Error({name, 0, 0},
+                  fmt::format("the power at {:g} nm is negative: {:g}", read.nm[i], read.values[i]));
+  if (read.nm.empty() || read.nm.front() > 420 || read.nm.back() < 680)
+    throw Error({name, 0, 0},
+                "a lamp is measured at least from 420 to 680 nm, in two columns: wavelength and power");
+  return {read.nm, read.values};
+}
+
 }  // namespace
 
+Viewing viewing_of(const std::string& name) {
+  for (const auto& [ending, field] :
+       {std::pair{std::string("/2"), pigment::Field::two}, {std::string("/10"), pigment::Field::ten}})
+    if (name.size() > ending.size() && name.ends_with(ending))
+      return {name.substr(0, name.size() - ending.size()), field};
+  return {name, pigment::Field::two};
+}
+
+std::string viewed_at(const std::string& illuminant, const std::string& degrees) {
+  const bool states = viewing_of(illuminant).illuminant != illuminant;
+  return states || degrees == "2" ? illuminant : illuminant + "/" + degrees;
+}
+
 pigment::Observation observe(const std::string& illuminant, std::span<const double> nm) {
-  const auto lamp = find_illuminant(illuminant);
-  if (!lamp)
-    throw Error("unknown illuminant \"" + illuminant + "\"" + did_you_mean(illuminant, illuminant_names()));
-  const Observer& observer = cie_1931_observer();
+  const Viewing viewing = viewing_of(illuminant);
+  const Lamp lamp = lamp_called(viewing.illuminant);
+  const Observer& observer = viewing.field == pigment::Field::ten ? cie_1964_observer() : cie_1931_observer();
   const auto of = [&](std::span<const double> values) {
     return [&observer, values](double l) {
       return values[std::size_t(std::lround((l - observer.start_nm) / observer.step_nm))];
     };
   };
   try {
-    return pigment::Observation(illuminant, nm, [&](double l) { return lamp->at(l); },
+    return pigment::Observation(illuminant, nm,
+                                [&](double l) {
+                                  return TabulatedSpectrum{lamp.nm, lamp.power}.at(l);
+                                },
                                 {of(observer.x), of(observer.y), of(observer.z)});
   } catch (const std::domain_error& e) {
     throw Error(e.what());
   }
+}
+
+std::vector<double> MeasuredReflectance::at(std::span<const double> wavelengths) const {
+  std::vector<double> result;
+  for (const double l : wavelengths) result.push_back(TabulatedSpectrum{nm, values}.at(l));
+  return result;
+}
+
+MeasuredReflectance mean_reflectance(const std::string& file, const std::string& sample) {
+  const pigment::SampleTable table = read_sample_file(file, pigment::Recipes::optional);
+  std::vector<double> mean(table.nm.size());
+  std::vector<std::string> known;
+  int count = 0;
+  for (const pigment::Sample& s : table.samples) {
+    if (std::find(known.begin(), known.end(), s.name) == known.end()) known.push_back(s.name);
+    if (s.name != sample || s.quantity != pigment::Sample::Quantity::reflectance) continue;
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += s.values[i];
+    ++count;
+  }
+  if (count == 0)
+    throw Error({file, 0, 0}, "no sample is called \"" + sample + "\"" + did_you_mean(sample, known) +
+                                  fmt::format("; there are {}", fmt::join(known, ", ")));
+  for (double& v : mean) v /= count;
+  return {table.nm, mean, table.instrument};
+}
+
+MeasuredReflectance mean_reflectance_called(const std::string& text, const std::string& option) {
+  const auto mark = text.rfind('#');
+  if (mark == text.npos || mark == 0 || mark + 1 == text.size())
+    throw Error(option + ": expected a file and a sample in it, FILE#SAMPLE, as in cards.csv#master, got \"" +
+                text + "\"");
+  return mean_reflectance(text.substr(0, mark), text.substr(mark + 1));
 }
 
 std::string screen_colour(const Xyz& xyz, const Xyz& white) {
@@ -150,8 +211,10 @@ ColourTarget read_colour_target(const std::string& text, const pigment::Palette&
   for (const auto& [name, colour] : kNames)
     if (text == name) hex = colour;
   if (const auto xyz = hex_colour(hex)) {
-    if (illuminant != "D65")
-      throw Error(option + ": a colour of a screen is one under D65; use lab(L, a, b) or a measured sample");
+    if (illuminant != "D65" && illuminant != "D65/2")
+      throw Error(option +
+                  ": a colour of a screen is one under D65 for the 2-degree observer; use lab(L, a, b) or a "
+                  "measured sample");
     return {{.lab = pigment::lab_of_xyz(*xyz, xyz_of_srgb({1, 1, 1}))}, palette};
   }
   const auto mark = text.rfind('#');

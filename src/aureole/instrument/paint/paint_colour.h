@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of paints under CIE illuminants for the 1931 observer, and target colours.
+// Colours of paints under illuminants for the CIE observers, and target colours.
 #pragma once
 
 #include <array>
@@ -7,12 +7,25 @@
 #include <string>
 #include <vector>
 
+#include "aureole/pigment/colour_indices.h"
 #include "aureole/pigment/match.h"
+#include "aureole/pigment/samples.h"
 
 namespace aureole {
 
-/// Returns the CIE 1931 observer under the illuminant of this name. Throws Error if there is none, with the
-/// nearest name, and if the wavelengths do not cover the visible range.
+/// An illuminant and the observer's field, from a name such as "D65" (2 degrees) or "A/10" (10 degrees).
+struct Viewing {
+  std::string illuminant;
+  pigment::Field field = pigment::Field::two;
+};
+Viewing viewing_of(const std::string& name);
+/// The name with the field "2" or "10" of degrees, unless it states one itself: "A" and "10" give "A/10", while
+/// "A/2" stays.
+std::string viewed_at(const std::string& illuminant, const std::string& degrees);
+
+/// Returns the observer under an illuminant: a name of `illuminant_names`, or a file of a measured lamp with two
+/// columns, wavelength and power; followed by "/10" for the CIE 1964 observer, or by "/2" or nothing for that of
+/// 1931. Throws Error if there is none, with the nearest name, and if the wavelengths do not cover the visible range.
 pigment::Observation observe(const std::string& illuminant, std::span<const double> nm);
 
 /// Returns "#rrggbb" for tristimulus values relative to a white, which is adapted to the screen's white by
@@ -25,7 +38,18 @@ struct ColourTarget {
   pigment::Palette palette;
 };
 
-/// Reads `text`: "#rrggbb" (sRGB, D65 only), one of the sixteen colour names of HTML 4, "lab(50, 20, -10)"
+/// The mean reflectance of the samples of a name in a file of measured samples, which needs no recipes.
+struct MeasuredReflectance {
+  std::vector<double> nm, values;
+  pigment::Instrument instrument = {};  ///< as the file states it
+  /// Interpolated linearly at other wavelengths; zero beyond the measured ones.
+  std::vector<double> at(std::span<const double> wavelengths) const;
+};
+MeasuredReflectance mean_reflectance(const std::string& file, const std::string& sample);
+/// Reads the mean reflectance that "FILE#SAMPLE" names. Throws Error that begins with `option` for other texts.
+MeasuredReflectance mean_reflectance_called(const std::string& text, const std::string& option);
+
+/// Reads `text`: "#rrggbb" (sRGB, D65 and 2 degrees only), one of the sixteen colour names of HTML 4, "lab(50, 20, -10)"
 /// under this illuminant's white, or "FILE#SAMPLE", the mean of the measurements of that name in a file of
 /// samples. For a sample, the palette is cut to the common range of wavelengths and interpolated at the
 /// sample's wavelengths. Throws Error that begins with `option`.

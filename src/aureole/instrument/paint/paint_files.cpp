@@ -3,15 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
 #include "aureole/instrument/paint/cxf_file.h"
 #include "aureole/pigment/cgats_text.h"
+#include "aureole/pigment/joint_fit.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/text_table.h"
+#include "aureole/spectrum/tables.h"
 
 namespace aureole {
 namespace {
@@ -167,7 +172,7 @@ std::string kind_of(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-pigment::SampleTable read_sample_file(const std::string& file) {
+pigment::SampleTable read_sample_file(const std::string& file, pigment::Recipes recipes) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
   std::vector<std::string> of_text;
@@ -180,7 +185,7 @@ pigment::SampleTable read_sample_file(const std::string& file) {
   } else {
     std::istringstream stream(text);
     try {
-      table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream);
+      table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream, recipes);
     } catch (const pigment::TextError& e) {
       throw Error({file, e.line(), e.column()}, e.what());
     }
@@ -190,11 +195,74 @@ pigment::SampleTable read_sample_file(const std::string& file) {
   return table;
 }
 
-void rethrow_located(const std::string& file, const pigment::SampleTable& table,
+pigment::SampleTable read_sample_files(const std::vector<std::string>& files) {
+  if (files.size() == 1) return read_sample_file(files.front());
+  pigment::SampleTable all;
+  std::vector<pigment::SampleTable> tables;
+  std::map<std::string, int> cards;  ///< number of files that have a card of this name bare
+  for (const std::string& file : files) {
+    std::set<std::string> names;
+    for (const pigment::Sample& s : tables.emplace_back(read_sample_file(file)).samples)
+      if (s.paints.empty()) names.insert(s.name);
+    for (const std::string& name : names) ++cards[name];
+  }
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    const std::string& file = files[f];
+    pigment::SampleTable& one = tables[f];
+    for (const std::string& note : one.notes) all.notes.push_back(file + ": " + note);
+    if (all.nm.empty()) {
+      all.nm = one.nm, all.instrument = one.instrument;
+    } else if (one.instrument.geometry != all.instrument.geometry ||
+               one.instrument.specular != all.instrument.specular) {
+      throw Error({file, 0, 0},
+                  "was measured at another geometry than " + files.front() +
+                      "; one fit has one geometry: convert one of them (aureole pigment colour)");
+    }
+    const std::string stem = std::filesystem::path(file).stem().string();
+    const auto is_own = [&](const std::string& card) {
+      return cards[card] > 1 &&
+             std::any_of(one.samples.begin(), one.samples.end(),
+                         [&](const pigment::Sample& s) { return s.paints.empty() && s.name == card; });
+    };
+    std::vector<pigment::Sample> renamed = one.samples;
+    for (pigment::Sample& s : renamed) {
+      if (s.paints.empty()) {
+        if (is_own(s.name)) s.name = stem + ": " + s.name;
+      } else {
+        if (is_own(s.backing)) s.backing = stem + ": " + s.backing;
+        if (s.specimen.empty() && s.backing != "opaque") s.specimen = stem + ": " + pigment::specimen_key(s);
+      }
+      s.file = file;
+    }
+    if (one.nm != all.nm) {
+      // Cut to the common range; the first file's wavelengths stay.
+      std::vector<double> common;
+      for (const double l : all.nm)
+        if (l >= one.nm.front() && l <= one.nm.back()) common.push_back(l);
+      if (common.size() < 2)
+        throw Error({file, 0, 0}, "its wavelengths do not overlap those of " + files.front());
+      all.notes.push_back(file + ": other wavelengths than " + files.front() + "; both are taken at " +
+                          std::to_string(common.size()) + " common ones");
+      const auto taken = [&](const std::vector<double>& nm, pigment::Sample& s) {
+        std::vector<double> values;
+        for (const double l : common) values.push_back(TabulatedSpectrum{nm, s.values}.at(l));
+        s.values = std::move(values), s.columns.clear(), s.lines.clear();
+      };
+      for (pigment::Sample& s : all.samples) taken(all.nm, s);
+      for (pigment::Sample& s : renamed) taken(one.nm, s);
+      all.nm = std::move(common);
+    }
+    all.samples.insert(all.samples.end(), renamed.begin(), renamed.end());
+  }
+  return all;
+}
+
+void rethrow_located(const std::string& table_file, const pigment::SampleTable& table,
                      const std::domain_error& error) {
   const auto* of_sample = dynamic_cast<const pigment::SampleError*>(&error);
-  if (!of_sample) throw Error({file, 0, 0}, error.what());
+  if (!of_sample) throw Error({table_file, 0, 0}, error.what());
   const pigment::Sample& s = table.samples[of_sample->sample()];
+  const std::string& file = s.file.empty() ? table_file : s.file;
   const int wavelength = of_sample->wavelength();
   const bool has_column = wavelength >= 0 && std::size_t(wavelength) < s.columns.size();
   const std::string key =

@@ -21,8 +21,15 @@ namespace aureole {
 ///                   "backing": "opaque", "thickness_um": 20, "values": [...]}, ...]}
 /// where `paints` may also be a recipe as text, and all but `paints` and `values` are optional. JSON may also
 /// be the array of the repository PaintMixing (wavelengths, then samples in per cent). The name `kimera`
-/// reads the built-in table of the library.
-pigment::SampleTable read_sample_file(const std::string& file);
+/// reads the built-in table of the library. If `recipes` are optional, tables of text need no column of paints.
+pigment::SampleTable read_sample_file(const std::string& file,
+                                      pigment::Recipes recipes = pigment::Recipes::required);
+
+/// Joins files of measured samples to one table, at the wavelengths of the first that all of them have; others are
+/// interpolated linearly. Cards and specimens belong to their file: of a card that several files have bare each has
+/// its own, and layers without a specimen are different layers in different files. Throws Error if wavelengths do not overlap or
+/// instruments differ.
+pigment::SampleTable read_sample_files(const std::vector<std::string>& files);
 
 /// Throws an Error with the location in the file of an error about a table that was read from it.
 [[noreturn]] void rethrow_located(const std::string& file, const pigment::SampleTable& table,
