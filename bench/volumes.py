@@ -186,6 +186,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = a.keep or Path(name)
         folder.mkdir(exist_ok=True, parents=True)
+        (folder / "volume.vol").unlink(missing_ok=True)  # of an earlier run, maybe with another volume
         print(f"volume {values.shape[::-1]}, spacing {[round(float(s), 3) for s in spacing]} mm, picture {a.size[0]} x {a.size[1]}")
         for shade in (False, True):
             c = Comparison(values, spacing, a.size, min(spacing) / 2, shade, folder, a.program)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct volume rendering, one ray at a time, against closed forms of the forms, methods and limits.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -226,10 +227,8 @@ TEST(Dvr, SingleScatteringOfASlab) {
                 text("extinction", "0 2") + text("colors", "0 0.6 0.6 0.6") + text("color_is", "albedo")) +
       R"(<emitter type="directional"><vector name="direction" x="0" y="0" z="1"/>
                                  <spectrum name="irradiance" value="3"/></emitter>)";
-  const auto scene =
-      scene_of(dvr(text("method", "single_scattering") + R"(<boolean name="jitter" value="true"/>)" +
-                   number("step", 0.05) + number("termination", 0)),
-               content);
+  const auto scene = scene_of(
+      dvr(text("method", "single_scattering") + number("step", 0.05) + number("termination", 0)), content);
   const double exact = 0.6 * 3 / (4 * 3.14159265358979) * (1 - std::exp(-4.0)) / 2;
   constexpr int kCount = 512;
   double sum = 0, squares = 0;
@@ -374,6 +373,130 @@ TEST(Dvr, ColoursAreThoseOfTheFile) {
   EXPECT_NEAR(rgb_sum[2] * scale, 0.1, 0.003);
 }
 
+TEST(Dvr, WhatIsBehindDoesNotShineThroughAnEndedRay) {
+  const VolumeFolder folder;
+  const std::string thick =
+      volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 20") + number("emission_scale", 0.5));
+  const std::string sky =
+      R"(<emitter type="constant"><spectrum name="radiance" type="d65"><float name="scale" value="10000"/></spectrum></emitter>)";
+  EXPECT_NEAR(look(scene_of(dvr(""), thick + sky), kAlongZ).radiance, 0.5, 1e-3);
+  EXPECT_NEAR(look(scene_of(dvr(text("method", "xray")), thick), kAlongZ).radiance, 2.0612e-9, 1e-12);
+  EXPECT_NEAR(look(scene_of(dvr(R"(<boolean name="measures" value="true"/>)"), thick), kAlongZ).measures[0],
+              20, 1e-3);
+}
+
+TEST(Dvr, NarrowFunctionsAreIntegrated) {
+  const VolumeFolder folder;
+  for (const double at : {0.3333, 0.4141, 0.777}) {
+    const std::string curve = fmt::format("{0} 0, {0} 1000, {1} 1000, {1} 0", at, at + 1e-3);
+    const auto content = volume_of(folder, "ramp", {64, 2, 2}, ramp(64), text("extinction", curve));
+    EXPECT_NEAR(look(scene_of(dvr(text("method", "emission_absorption")), content), kAlongX).radiance,
+                1 - std::exp(-1.0), 2e-3)
+        << at;
+  }
+}
+
+TEST(Dvr, OpacityByTheGradient) {
+  const VolumeFolder folder;
+  // The numbers of the ramp grow by 1 per unit of length.
+  const auto thickness = [&](const std::string& parameters) {
+    const auto content = volume_of(folder, "ramp", {64, 2, 2}, ramp(64), parameters);
+    return look(scene_of(dvr(R"(<boolean name="measures" value="true"/>)" + number("step", 0.002)), content),
+                kAlongX)
+        .measures[0];
+  };
+  const std::string inside = text("clip_box", "0.1 0 0 0.9 1 1");
+  EXPECT_NEAR(thickness(text("extinction", "0 50") + text("gradient_opacity", "0 1") + inside), 40, 1e-3);
+  EXPECT_NEAR(thickness(text("extinction", "0 50") + text("gradient_opacity", "0 0, 2 1") + inside), 20,
+              0.01);
+  EXPECT_NEAR(thickness(text("opacity", "0 0.8") + text("gradient_opacity", "0 0, 2 1") + inside),
+              -0.8 * std::log(0.6), 1e-3);
+  // At the border, too, where differences are one-sided.
+  EXPECT_NEAR(thickness(text("extinction", "0 50") + text("gradient_opacity", "0 0, 2 1")), 25, 0.5);
+}
+
+TEST(Dvr, ShadowsBeginInsideShapesSmallerThanTheGrid) {
+  const VolumeFolder folder;
+  const std::string light = R"(<emitter type="directional"><vector name="direction" x="0" y="0" z="1"/>
+                               <spectrum name="irradiance" value="3"/></emitter>)";
+  const std::string parameters =
+      text("extinction", "0 2") + text("colors", "0 0.6 0.6 0.6") + text("color_is", "albedo");
+  std::string small = volume_of(folder, "slab", {2, 2, 2}, kOnes, parameters);
+  small.replace(small.find("1.02"), 4, "0.96");
+  double sum = 0;
+  const auto scene = scene_of(dvr(text("method", "single_scattering") + number("step", 0.02)), small + light);
+  for (int i = 0; i < 32; ++i) sum += look(scene, kAlongZ, i, true).radiance / 32;
+  const double exact = 0.6 * 3 / (4 * 3.14159265358979) * (1 - std::exp(-4.0)) / 2;
+  EXPECT_NEAR(sum, exact, 0.02 * exact);
+}
+
+TEST(Dvr, ShadowsOfOtherVolumesAndSurfaces) {
+  const VolumeFolder folder;
+  const std::string light = R"(<emitter type="directional"><vector name="direction" x="-1" y="0" z="0"/>
+                               <spectrum name="irradiance" value="2"/></emitter>)";
+  const std::string shaded =
+      volume_of(folder, "ramp", {64, 2, 2}, ramp(64),
+                text("extinction", "0 1e-4") + number("ambient", 0) + number("specular", 0));
+  std::string dark =
+      volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 1.5") + text("colors", "0 0 0 0"));
+  // The dark cube lies beside the shaded one, before the light.
+  dark.insert(dark.find("</transform>"), R"(<translate x="1.5"/>)");
+  dark.insert(dark.find("</volume>"), R"(<transform name="to_world"><translate x="1.5"/></transform>)");
+  const auto see = [&](const std::string& content, bool shadows) {
+    const std::string parameters = text("lighting", "gradient") + number("termination", 0) +
+                                   number("step", 0.02) +
+                                   (shadows ? R"(<boolean name="shadows" value="true"/>)" : "");
+    return look(scene_of(dvr(parameters), shaded + light + content), {{0.5f, 0.5f, -1}, {0, 0, 1}}, 0, true)
+        .radiance;
+  };
+  const double open = see("", true);
+  EXPECT_NEAR(open, see(dark, false), 1e-4 * open);
+  EXPECT_NEAR(see(dark, true) / open, std::exp(-1.5), 1e-3);
+  const std::string wall =
+      R"(<shape type="rectangle"><transform name="to_world"><rotate y="1" angle="90"/><translate x="1.4"/></transform></shape>)";
+  EXPECT_EQ(see(wall, true), 0);
+}
+
+TEST(Dvr, PlateausAreOneSurface) {
+  const VolumeFolder folder;
+  std::vector<float> values;
+  for (int i = 0; i < 8 * 8 * 8; ++i) values.push_back(i % 8 >= 2 && i % 8 < 6 ? 1.f : 0.f);
+  for (const char* value : {"0.5", "1"}) {
+    const auto scene = scene_of(dvr(text("method", "isosurface") + text("isovalues", value) +
+                                    R"(<boolean name="measures" value="true"/>)"),
+                                volume_of(folder, "block", {8, 8, 8}, values, text("opacity", "0 0.5")));
+    for (const Ray& ray :
+         {kAlongX, Ray{{2, 0.5f, 0.5f}, {-1, 0, 0}}, Ray{{-1, 0.4f, 0.3f}, {0.98f, 0.1f, 0.172f}}})
+      EXPECT_NEAR(look(scene, ray).measures[0], 2 * std::log(2.0), 1e-5) << value;
+  }
+}
+
+TEST(Dvr, DistantSensors) {
+  const VolumeFolder folder;
+  const std::string content = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 1"));
+  const auto scene =
+      scene_of(dvr(R"(<boolean name="measures" value="true"/>)" + number("step", 0.0015)), content);
+  for (const float distance : {1e2f, 1e3f, 1e4f, 1e5f})
+    EXPECT_NEAR(look(scene, {{0.5f, 0.5f, -distance}, {0, 0, 1}}).measures[0], 1, 1e-4) << distance;
+}
+
+TEST(Dvr, ColouredEmissionIsThatOfPath) {
+  const VolumeFolder folder;
+  const std::string content =
+      volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 2") + text("colors", "0 1 1 0"));
+  const auto steps = scene_of(dvr(number("termination", 0)), content), paths = scene_of(R"(path">)", content);
+  constexpr int kCount = 2048;
+  double expected = 0, sum = 0, squares = 0;
+  for (int i = 0; i < kCount; ++i) {
+    expected += look(steps, kAlongZ, i).radiance / kCount;
+    const double x = look(paths, kAlongZ, i).radiance;
+    sum += x, squares += x * x;
+  }
+  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  EXPECT_LT(error, 0.01 * expected);
+  EXPECT_NEAR(mean, expected, 4 * error);
+}
+
 std::string problem(const std::string& integrator, const std::string& content) {
   return error_of([&] {
     const auto scene = scene_of(integrator, content);
@@ -407,6 +530,12 @@ TEST(Dvr, BadInputIsLocated) {
             std::string::npos);
   EXPECT_NE(problem(dvr(""), "").find("classified"), std::string::npos);
   EXPECT_NE(problem(dvr(number("step", -1)), good).find("step"), std::string::npos);
+  EXPECT_NE(problem(dvr(text("method", "mip") + number("tolerance", 0.1)), good).find("emission_absorption"),
+            std::string::npos);
+  const std::string fog =
+      R"(<shape type="sphere"><bsdf type="null"/><medium type="homogeneous" name="interior"/></shape>)";
+  EXPECT_NE(problem(dvr(""), good + fog).find("of the type \"classified\" alone"), std::string::npos)
+      << problem(dvr(""), good + fog);
   std::vector<float> broken = kOnes;
   broken[3] = std::nanf("");
   EXPECT_NE(problem(dvr(""), volume_of(folder, "nan", {2, 2, 2}, broken, text("opacity", "0 0.5")))

@@ -17,11 +17,6 @@ std::vector<const ClassifiedMedium*> classified_media(const Scene& scene) {
   return media;
 }
 
-/// Whether a ray ends at a surface; null surfaces, which hold media, are passed.
-bool stops(const Surface& surface) {
-  return surface.light || has(surface.lobes, Lobe::reflect | Lobe::transmit);
-}
-
 class DvrIntegrator final : public Integrator {
 public:
   explicit DvrIntegrator(const Properties& p)
@@ -47,6 +42,16 @@ public:
           properties().where(),
           "\"dvr\" shows media of the type \"classified\", and the scene has none: give a shape that encloses the "
           "volume <medium type=\"classified\" name=\"interior\">");
+    for (const Medium* medium : scene.media())
+      if (!dynamic_cast<const ClassifiedMedium*>(medium))
+        throw Error(
+            medium->properties().where(),
+            "\"dvr\" shows media of the type \"classified\" alone, which no instance holds; this one would not be seen "
+            "before or within them");
+    if (scene.sensor().sensor->medium())
+      throw Error(scene.sensor().sensor->properties().where(),
+                  "\"dvr\" finds the media around the sensor itself: state none on the sensor");
+    note_unseen_isosurfaces(media);
     const bool is_projection =
         settings_.method == DvrSettings::Method::mip || settings_.method == DvrSettings::Method::average;
     if (is_projection && media.size() > 1)
@@ -68,9 +73,10 @@ public:
   }
   std::vector<std::string> aov_meanings() const override {
     if (!measures_) return {};
-    return {"optical thickness along the ray",
-            "number of the volume: the largest, the mean, or where half of the light is lost",
-            "distance of that number along the ray, scene units"};
+    return {
+        "optical thickness along the ray",
+        "number of the volume: the largest, the mean, that of the first isosurface, or where half of the light is lost",
+        "distance of that number along the ray, scene units"};
   }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
@@ -82,14 +88,18 @@ public:
       for (const ClassifiedMedium* m : media)
         settings.step = std::min(settings.step, 0.5f * m->field().spacing());
     }
+    if (measures_) settings.termination = 0;  // the optical thickness is that of the whole ray
     VolumeResult results[kBatch];
     Ray rays[kBatch];
     float* measures[kBatch];
     float ends[kBatch];
-    find_surfaces(scene, paths, ends);
+    if (settings.method == DvrSettings::Method::xray)
+      std::fill_n(ends, paths.size(), kInfinity);
+    else
+      find_surfaces(scene, paths, ends);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
-      // A walk from the sensor has no vertex -1: its numbers are free.
+      // Vertices of a walk are numbered from 0: the numbers of vertex -1 are used by none.
       VolumeMarch march(scene, media, settings, path, ends[i], d65_.eval(path.wavelengths),
                         key(path.samples, -1, Stream::volume_march));
       results[i] = march.follow();
@@ -112,15 +122,29 @@ public:
   }
 
 private:
+  void note_unseen_isosurfaces(const std::vector<const ClassifiedMedium*>& media) const {
+    for (const ClassifiedMedium* medium : media)
+      for (const float value : settings_.isovalues) {
+        const float low = medium->field().minimum(), high = medium->field().maximum();
+        const float opacity = -std::expm1(-medium->function().at(value).extinction * medium->unit());
+        if (value >= low && value <= high && opacity > 0) continue;
+        properties().note(
+            "isovalues",
+            fmt::format("the surface of {:g} is not seen: the numbers of the volume go from {:g} to {:g}, "
+                        "and the opacity at {:g} is {:g}",
+                        value, low, high, value, opacity));
+      }
+  }
   const Integrator& behind() const { return *nested_.front().integrator; }
 
   /// Sets the distance along each ray up to which volumes are seen: just before the first surface that is not null.
   static void find_surfaces(const Scene& scene, std::span<Path> paths, float ends[]) {
     BatchRays rays;
+    constexpr int kMaxCrossings = 1000;
     Ray next[kBatch];
-    float passed[kBatch];
+    int crossings[kBatch];
     for (std::size_t i = 0; i < paths.size(); ++i) {
-      next[i] = paths[i].ray, passed[i] = 0, ends[i] = kInfinity;
+      next[i] = paths[i].ray, crossings[i] = 0, ends[i] = kInfinity;
       rays.add(int(i), next[i]);
     }
     while (!rays.empty())
@@ -128,7 +152,7 @@ private:
         if (!hit) return;
         const SurfacePoint point = scene.surface_point(hit, next[i]);
         const float distance = dot(point.p - paths[std::size_t(i)].ray.o, paths[std::size_t(i)].ray.d);
-        if (stops(*point.surface)) {
+        if (stops_rays(*point.surface)) {
           // Off the surface, by the bound of its rounding error, towards the sensor.
           const Vec3 before = offset_origin(point.p, point.p_error, point.ng, -next[i].d);
           ends[i] = std::max(0.f, std::min(distance, dot(before - paths[std::size_t(i)].ray.o, next[i].d)));
@@ -137,7 +161,7 @@ private:
         const float t_max = paths[std::size_t(i)].ray.t_max - distance;
         next[i] = RayOrigin::of(point).spawn(next[i].d);
         next[i].t_max = t_max;
-        if (t_max > 0 && !(distance <= passed[i])) passed[i] = distance, rays.add(i, next[i]);
+        if (t_max > 0 && ++crossings[i] < kMaxCrossings) rays.add(i, next[i]);
       });
   }
 
@@ -173,7 +197,8 @@ AUREOLE_PLUGIN(
     <string name="alpha" value="taylor"/><string name="order" value="back_to_front"/><float name="termination" value="0"/>
     <boolean name="jitter" value="true"/><boolean name="skip_empty" value="false"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="isosurface"/><string name="isovalues" value="0.2, 0.6"/>
-    <float name="tolerance" value="0.01"/><boolean name="measures" value="true"/></integrator>)"}});
+    <boolean name="measures" value="true"/></integrator>)",
+         R"(<integrator type="dvr"><string name="method" value="emission_absorption"/><float name="tolerance" value="0.01"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -37,20 +37,21 @@ bool visit_cubic_roots(const double f[4], double value, Visit&& visit) {
       if (e > 0 && e < 1) ends[count++] = e;
   }
   ends[count] = 1;
+  // A root is a change between below the value and not below it, so that a constant stretch at the value is one root.
+  // At the ends of the cell the numbers themselves decide, which the neighbouring cell has, too.
+  const auto is_below = [&](int end) {
+    return end == 0 ? f[0] < value : end == count ? f[3] < value : at(ends[end]) < 0;
+  };
   for (int i = 0; i < count; ++i) {
+    if (is_below(i) == is_below(i + 1)) continue;
     double low = ends[i], high = ends[i + 1];
-    const double from = at(low), to = at(high);
-    if (from == 0) {
-      if (!visit(low)) return false;
-      continue;
-    }
-    if (!(from * to < 0)) continue;
+    const bool low_is_below = is_below(i);
     for (int k = 0; k < 60 && high - low > 1e-12; ++k) {
       // Regula falsi where it makes progress, bisection every other time.
       const double fl = at(low), fh = at(high);
       double middle = k % 2 ? 0.5 * (low + high) : low - fl * (high - low) / (fh - fl);
       if (!(middle > low && middle < high)) middle = 0.5 * (low + high);
-      (at(middle) * from > 0 ? low : high) = middle;
+      ((at(middle) < 0) == low_is_below ? low : high) = middle;
     }
     if (!visit(0.5 * (low + high))) return false;
   }
@@ -66,6 +67,7 @@ void find_isosurfaces(const ScalarField& field, const Ray& ray, float begin, flo
   const Vec3 o = field.index_of(ray.o), d = field.index_vector(ray.d);
   double t = begin;
   std::vector<CellRoot> roots;
+  double last_number = double(field.value(ray.o + ray.d * begin));
   while (t < end) {
     // The cell, or the border of constant numbers, that holds the ray just behind t.
     double next = end;
@@ -80,8 +82,10 @@ void find_isosurfaces(const ScalarField& field, const Ray& ray, float begin, flo
     }
     next = std::min(std::max(next, probe), double(end));
     double f[4];
-    for (int k = 0; k < 4; ++k) f[k] = double(field.value(ray.o + ray.d * float(t + (next - t) * k / 3)));
-    // The cubic lies within the range of its Bezier coefficients, which are at most this far from the samples.
+    f[0] = last_number;
+    for (int k = 1; k < 4; ++k) f[k] = double(field.value(ray.o + ray.d * float(t + (next - t) * k / 3)));
+    last_number = f[3];
+    // Lagrange's weights of four equidistant samples add up to less than 2 in magnitude within them.
     const auto [low, high] = std::minmax({f[0], f[1], f[2], f[3]});
     const double margin = 3 * (high - low);
     roots.clear();

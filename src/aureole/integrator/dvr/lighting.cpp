@@ -4,45 +4,83 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/transport/connection.h"
-#include "aureole/transport/diffraction.h"
+#include "aureole/transport/batch.h"
+#include "aureole/transport/ray_origin.h"
 
 namespace aureole {
 
 namespace {
 
-/// Up to so many lights without extent are all asked; of more, or of others, one is chosen for each sample.
-constexpr std::size_t kMaxAsked = 8;
+/// Up to this many delta lights are all sampled; else one light is chosen for each sample.
+constexpr std::size_t kMaxSampled = 8;
 
-bool asks_all(const Scene& scene) {
+bool samples_all(const Scene& scene) {
   const auto& lights = scene.emitters();
-  return lights.size() <= kMaxAsked && std::all_of(lights.begin(), lights.end(), [](const Light& l) {
+  return lights.size() <= kMaxSampled && std::all_of(lights.begin(), lights.end(), [](const Light& l) {
            return l.is_delta() && l.part_count() == 1;
          });
 }
 
 }  // namespace
 
-float optical_thickness(const ClassifiedMedium& medium, const Ray& ray, float length, float step) {
-  float begin = 0, end = length;
-  medium.clip(ray, begin, end);
-  if (!(end > begin)) return 0;
-  const int count = std::max(1, int(std::ceil((end - begin) / step)));
-  const float ds = (end - begin) / float(count);
-  float sum = 0;
-  for (int k = 0; k < count; ++k) {
-    const Vec3 p = ray.o + ray.d * (begin + (float(k) + 0.5f) * ds);
-    sum += medium.classify(p, medium.field().value(p)).extinction;
-  }
-  return sum * ds;
+bool stops_rays(const Surface& surface) {
+  return surface.light || has(surface.lobes, Lobe::reflect | Lobe::transmit);
 }
 
+float VolumeLighting::transmittance(const Ray& ray, float length, float step) const {
+  double thickness = 0;
+  for (const ClassifiedMedium* medium : media_) {
+    float begin = 0, end = length;
+    medium->clip(ray, begin, end);
+    if (!(end > begin)) continue;
+    medium->majorants().visit_segments(ray, end, [&](const MajorantSegment& s) {
+      const float from = std::max(s.begin, begin), to = std::min(s.end, end);
+      if (!(to > from)) return false;
+      const int count = std::max(1, int(std::ceil(std::min((to - from) / step, 1e6f))));
+      const float ds = (to - from) / float(count);
+      double sum = 0;
+      for (int k = 0; k < count; ++k) {
+        const Vec3 p = ray.o + ray.d * (from + (float(k) + 0.5f) * ds);
+        sum += double(medium->classify(p, medium->field().value(p)).extinction);
+      }
+      thickness += sum * double(ds);
+      return false;
+    });
+  }
+  return float(std::exp(-thickness));
+}
+
+namespace {
+
+/// Whether a surface that stops rays lies between a point in space and another one at a distance along `d`, or infinitely
+/// far away. The surface of the light itself, at the end, does not count.
+bool is_occluded(const Scene& scene, const Vec3& p, const Vec3& d, float distance) {
+  constexpr int kMaxCrossings = 1000;
+  const float end = distance * (1 - 1e-4f);
+  Ray ray{p, d, end};
+  for (int k = 0; k < kMaxCrossings; ++k) {
+    bool is_stopped = false, goes_on = false;
+    BatchRays rays;
+    rays.add(0, ray);
+    rays.intersect(scene.tracer(), RayTracer::Rays::incoherent, [&](int, const RayTracer::Hit& hit) {
+      if (!hit) return;
+      const SurfacePoint point = scene.surface_point(hit, ray);
+      is_stopped = stops_rays(*point.surface);
+      ray = RayOrigin::of(point).spawn(d);
+      ray.t_max = end - dot(ray.o - p, d);
+      goes_on = !is_stopped && ray.t_max > 0;
+    });
+    if (!goes_on) return is_stopped;
+  }
+  return false;
+}
+
+}  // namespace
+
 template <class Visit>
-void VolumeLighting::visit_lights(const ClassifiedMedium& medium, const Vec3& p, bool shadows,
-                                  const Visit& visit) {
+void VolumeLighting::visit_lights(const Vec3& p, bool shadows, const Visit& visit) {
   if (scene_.lights().empty()) return;
-  const Wavelengths& w = path_.wavelengths;
-  const bool all = asks_all(scene_);
+  const bool all = samples_all(scene_);
   const std::size_t count = all ? scene_.emitters().size() : 1;
   for (std::size_t k = 0; k < count; ++k) {
     LightChoice choice{nullptr, 0, 1};
@@ -54,47 +92,30 @@ void VolumeLighting::visit_lights(const ClassifiedMedium& medium, const Vec3& p,
       choice = *chosen;
     }
     const Vec2 u{random_.next(), random_.next()};
-    const auto direct = choice.light->sample_direct(p, choice.part, u, w);
+    const auto direct = choice.light->sample_direct(p, choice.part, u, path_.wavelengths);
     if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) continue;
-    const float pdf = choice.probability * direct->pdf;
-    if (!shadows) {
-      visit(direct->wo, direct->radiance * (1 / pdf));
-      continue;
+    float factor = 1 / (choice.probability * direct->pdf);
+    if (shadows) {
+      const float distance = direct->infinite ? kInfinity : length(direct->p - p);
+      factor *= transmittance({p, direct->wo}, distance, settings_.step);
+      if (!(factor > 0) || is_occluded(scene_, p, direct->wo, distance)) continue;
     }
-    if (start_medium_ != &medium) {
-      start_.emplace();
-      start_->ray = Ray{p, direct->wo};
-      find_interiors(scene_, *start_);
-      start_medium_ = &medium;
-    }
-    const RayOrigin from = RayOrigin::in_space(p);
-    Connection c;
-    if (direct->infinite)
-      c.set(from, direct->wo);
-    else
-      c.set(from, direct->wo, RayOrigin::of(*direct));
-    c.near = Weight(Spectrum(1.f));
-    c.far = Unpolarised::emitted(direct->radiance);
-    c.begin_in(*start_, std::uint32_t(random_.next() * 0x1p32f));
-    c.weigh(true, pdf, 0.f, w);
-    if (arrives(scene_, c, w, std::uint32_t(random_.next() * 0x1p32f)))
-      visit(direct->wo, c.estimate() * (w.pdf * float(kWavelengths)));
+    visit(direct->wo, direct->radiance * factor);
   }
 }
 
-float VolumeLighting::ambient(const ClassifiedMedium& medium, const Vec3& p, const Vec3& n) {
+float VolumeLighting::ambient(const Vec3& p, const Vec3& n) {
   const int count = settings_.occlusion_samples;
   if (count == 0) return 1;
   const Frame frame = Frame::from_normal(n);
-  const float step = 2 * medium.field().spacing();
+  const float voxel = 2 * settings_.step;
   float sum = 0;
   for (int k = 0; k < count; ++k) {
     const float u = (float(k) + random_.next()) / float(count), r = std::sqrt(u),
                 phi = 2 * kPi * random_.next();
     const Vec3 d = frame.to_world({r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.f, 1 - u))});
-    // Begins a voxel off the point, so that the surface does not occlude itself.
-    const Ray ray{p + d * medium.field().spacing(), d};
-    sum += std::exp(-optical_thickness(medium, ray, settings_.occlusion_radius, step));
+    // Begins two steps off the point, so that the surface does not occlude itself.
+    sum += transmittance({p + d * voxel, d}, settings_.occlusion_radius, voxel);
   }
   return sum / float(count);
 }
@@ -107,9 +128,10 @@ Spectrum VolumeLighting::shaded(const ClassifiedMedium& medium, const Vec3& p, c
   const bool has_normal = size > 0;
   Vec3 n = has_normal ? gradient * (1 / size) : to_sensor;
   if (dot(n, to_sensor) < 0) n = -n;
-  Spectrum radiance = color * d65_ * (s.ambient * medium.emission_scale() * ambient(medium, p, n));
+  const float part = s.ambient * medium.emission_scale();
+  Spectrum radiance = part > 0 ? color * d65_ * (part * ambient(p, n)) : Spectrum(0.f);
   if (!has_normal || !(s.diffuse + s.specular > 0)) return radiance;
-  visit_lights(medium, p, settings_.shadows, [&](const Vec3& to_light, const Spectrum& irradiance) {
+  visit_lights(p, settings_.shadows, [&](const Vec3& to_light, const Spectrum& irradiance) {
     const float cosine = std::abs(dot(n, to_light));
     float lobe = 0;
     if (settings_.halfway) {
@@ -128,7 +150,7 @@ Spectrum VolumeLighting::shaded(const ClassifiedMedium& medium, const Vec3& p, c
 Spectrum VolumeLighting::scattered(const ClassifiedMedium& medium, const Vec3& p, const Spectrum& albedo) {
   Spectrum radiance = 0.f;
   const PhaseContext context{path_.wavelengths, p};
-  visit_lights(medium, p, true, [&](const Vec3& to_light, const Spectrum& irradiance) {
+  visit_lights(p, true, [&](const Vec3& to_light, const Spectrum& irradiance) {
     radiance += albedo * medium.phase().eval_pdf(-path_.ray.d, to_light, context).value * irradiance;
   });
   return radiance;

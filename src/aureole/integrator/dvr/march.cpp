@@ -15,7 +15,8 @@ using Method = DvrSettings::Method;
 /// Rays of more steps than this take longer ones.
 constexpr int kMaxSteps = 1 << 20;
 
-float number_of(const Spectrum& s) {
+/// The largest magnitude over all wavelengths.
+float magnitude(const Spectrum& s) {
   float largest = 0;
   for (int i = 0; i < kWavelengths; ++i) largest = std::max(largest, std::abs(s[i]));
   return largest;
@@ -31,14 +32,27 @@ VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* c
       d65_(d65),
       basis_(path.wavelengths.nm),
       random_(key),
-      lighting_(scene, settings, path, d65_, random_) {
+      lighting_(scene, media, settings, path, d65_, random_) {
+  length = std::min(length, ray_.t_max);
+  const auto clip = [&](float& begin, float& end, const ClassifiedMedium* medium) {
+    begin = 0, end = length - shift_;
+    medium->clip(ray_, begin, end);
+    return end > begin;
+  };
+  float begin, end;
+  shift_ = 0;
+  float first = kInfinity;
+  for (const ClassifiedMedium* medium : media)
+    if (clip(begin, end, medium)) first = std::min(first, begin);
+  if (first == kInfinity) return;
+  // A little before the media, since this distance is rounded.
+  shift_ = std::max(0.f, first - std::abs(first) * 1e-6f);
+  for (int k = 0; k < 3; ++k) ray_.o[k] = float(double(ray_.o[k]) + double(ray_.d[k]) * double(shift_));
   begin_ = kInfinity;
   for (const ClassifiedMedium* medium : media) {
-    Part part{.medium = medium, .begin = 0, .end = std::min(length, ray_.t_max), .active = {}};
-    medium->clip(ray_, part.begin, part.end);
-    if (!(part.end > part.begin)) continue;
-    begin_ = std::min(begin_, part.begin), end_ = std::max(end_, part.end);
-    parts_.push_back(std::move(part));
+    if (!clip(begin, end, medium)) continue;
+    begin_ = std::min(begin_, begin), end_ = std::max(end_, end);
+    parts_.push_back(Part{.medium = medium, .begin = begin, .end = end, .active = {}});
   }
 }
 
@@ -93,17 +107,19 @@ void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
   const ClassifiedMedium& medium = *part.medium;
   const Vec3 p = at(a + offset * (b - a));
   Sample s;
-  if (settings_.preintegrated) {
+  float value = 0;
+  if (settings_.preintegrated || settings_.method == Method::emission_absorption) {
     const float from = part.last_end == a ? part.last_value : medium.field().value(at(a));
     const float to = medium.field().value(at(b));
     part.last_end = b, part.last_value = to;
     s = medium.classify(p, from, to);
-    step.value = 0.5f * (from + to);
+    value = 0.5f * (from + to);
   } else {
-    step.value = medium.field().value(p);
-    s = medium.classify(p, step.value);
+    value = medium.field().value(p);
+    s = medium.classify(p, value);
   }
   if (!(s.extinction > 0)) return;
+  step.value = value;
   const float thickness = s.extinction * (b - a);
   step.thickness += thickness;
   step.emission += color_at(medium, p, s) * thickness;
@@ -116,6 +132,11 @@ VolumeResult VolumeMarch::composite(float length) {
   const bool is_weighted = settings_.form == DvrSettings::Form::opacity_weighted;
   const bool is_taylor =
       settings_.alpha == DvrSettings::Alpha::taylor && settings_.method == Method::composite;
+  // The integral to a tolerance leaves out less than that.
+  const bool is_adaptive = settings_.method == Method::emission_absorption;
+  const float termination = settings_.method == Method::xray ? 0
+                            : is_adaptive ? std::min(settings_.termination, 0.1f * settings_.tolerance)
+                                          : settings_.termination;
   length = std::max(length, (end_ - begin_) / float(kMaxSteps));
   const int count = std::max(1, int(std::ceil((end_ - begin_) / length - 1e-4f)));
   struct Layer {
@@ -149,13 +170,16 @@ VolumeResult VolumeMarch::composite(float length) {
     const float before = result.transmittance;
     result.transmittance *= 1 - opacity;
     if (before > 0.5f && result.transmittance <= 0.5f)
-      result.value = step.value, result.depth = 0.5f * (a + b);
+      result.value = step.value, result.depth = shift_ + 0.5f * (a + b);
     if (!is_forward) {
       layers.push_back({color, opacity});
       continue;
     }
     result.radiance += color * before;
-    if (result.transmittance < settings_.termination) break;
+    if (result.transmittance < termination) {
+      result.transmittance = 0;
+      break;
+    }
   }
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer)
     result.radiance = layer->color + result.radiance * (1 - layer->opacity);
@@ -170,20 +194,14 @@ VolumeResult VolumeMarch::integrate() {
   constexpr int kMaxHalvings = 12;
   float step = settings_.step;
   VolumeResult coarse = composite(step);
-  // Light samples are random: their noise, which would never fall below the tolerance, is left to the samples of the pixel.
-  if (settings_.method == Method::single_scattering || settings_.jitter) return coarse;
-  for (int k = 0; k < kMaxHalvings; ++k) {
+  int agreements = 0;  // two in a row, since one may be chance
+  for (int k = 0; k < kMaxHalvings && agreements < 2; ++k) {
     step *= 0.5f;
     const VolumeResult fine = composite(step);
-    // The midpoint rule's error falls by four: Richardson extrapolation.
-    VolumeResult better = fine;
-    better.radiance = max(fine.radiance + (fine.radiance - coarse.radiance) * (1 / 3.f), 0.f);
-    better.transmittance =
-        std::clamp(fine.transmittance + (fine.transmittance - coarse.transmittance) / 3, 0.f, 1.f);
-    const float change = number_of(fine.radiance - coarse.radiance);
-    if (change <= settings_.tolerance * number_of(fine.radiance) &&
-        std::abs(fine.transmittance - coarse.transmittance) <= settings_.tolerance)
-      return better;
+    const bool agrees =
+        magnitude(fine.radiance - coarse.radiance) <= settings_.tolerance * magnitude(fine.radiance) &&
+        std::abs(fine.transmittance - coarse.transmittance) <= settings_.tolerance;
+    agreements = agrees ? agreements + 1 : 0;
     coarse = fine;
   }
   return coarse;
@@ -208,6 +226,7 @@ VolumeResult VolumeMarch::project() {
   if (!is_mip)
     result.value = float(sum / double(part.end - part.begin)), result.depth = 0.5f * (part.begin + part.end);
   const Sample s = part.medium->classify(at(result.depth), result.value);
+  result.depth += shift_;
   result.optical_thickness = s.extinction * part.medium->unit();
   cover(result, basis_.eval(s.color) * d65_ * part.medium->emission_scale(),
         -std::expm1(-result.optical_thickness));
@@ -244,8 +263,11 @@ VolumeResult VolumeMarch::isosurfaces() {
                                       : color * d65_ * medium.emission_scale(),
           -std::expm1(-thickness));
     result.optical_thickness += thickness;
-    if (result.depth == 0) result.depth = root.t, result.value = root.value;
-    if (result.transmittance < settings_.termination) break;
+    if (result.depth == 0) result.depth = shift_ + root.t, result.value = root.value;
+    if (result.transmittance < settings_.termination) {
+      result.transmittance = 0;
+      break;
+    }
   }
   return result;
 }

@@ -27,7 +27,7 @@ public:
               const Path& path, float length, const Spectrum& d65, std::uint32_t key);
 
   /// The distance where the last medium ends along the ray; 0 if the ray misses all.
-  float end() const { return end_; }
+  float end() const { return parts_.empty() ? 0 : shift_ + end_; }
   VolumeResult follow();
 
 private:
@@ -61,13 +61,14 @@ private:
   Vec3 at(float t) const { return ray_.o + ray_.d * t; }
 
   const DvrSettings& settings_;
-  const Ray& ray_;
+  Ray ray_;          ///< begins where the first medium does, so that distances along it are precise
+  float shift_ = 0;  ///< distance of its origin along the ray of the sensor
   const Spectrum d65_;
   ColorBasis basis_;
   KeyedRandom random_;
   VolumeLighting lighting_;
   std::vector<Part> parts_;
-  float begin_ = 0, end_ = 0;
+  float begin_ = 0, end_ = 0;  ///< distances along `ray_`
 };
 
 }  // namespace aureole

@@ -48,16 +48,31 @@ DvrSettings DvrSettings::read(const Properties& p) {
     throw p.error("isovalues",
                   "is missing: the numbers of the volume where its surfaces lie, such as \"0.2, 0.5\"");
   if (!is_isosurface && !s.isovalues.empty()) throw p.error("isovalues", "is for the method \"isosurface\"");
-  const bool is_lit = s.gradient_lighting || s.method == Method::single_scattering;
-  for (const auto& [name, needed] : {std::pair{"shadows", is_lit},
-                                     {"ambient_occlusion", s.gradient_lighting},
-                                     {"highlight", s.gradient_lighting}})
-    if (p.has(name) && !needed)
+  using enum Method;
+  const auto only_for = [&](std::initializer_list<const char*> names, std::initializer_list<Method> methods,
+                            const char* shown) {
+    if (std::find(methods.begin(), methods.end(), s.method) != methods.end()) return;
+    for (const char* name : names)
+      if (p.has(name)) throw p.error(name, std::string("has no effect on this method; it is for ") + shown);
+  };
+  only_for({"lighting"}, {composite, isosurface}, "composite and isosurface");
+  only_for({"classification"}, {composite, single_scattering, xray}, "composite, single_scattering and xray");
+  only_for({"skip_empty"}, {composite, emission_absorption, single_scattering, xray},
+           "those that composite steps");
+  only_for({"termination"}, {composite, emission_absorption, single_scattering, isosurface},
+           "those that composite");
+  only_for({"step"}, {composite, emission_absorption, single_scattering, mip, average, xray},
+           "those that take steps");
+  only_for({"jitter"}, {composite, mip, average, xray}, "composite, mip, average and xray");
+  only_for({"tolerance"}, {emission_absorption}, "emission_absorption");
+  only_for({"shadows", "ambient_occlusion", "occlusion_radius"}, {composite},
+           "composite, with lighting \"gradient\"");
+  for (const char* name : {"shadows", "ambient_occlusion", "highlight"})
+    if (p.has(name) && !s.gradient_lighting)
       throw p.error(name, "has no effect without <string name=\"lighting\" value=\"gradient\"/>");
-  if (s.gradient_lighting && (s.method == Method::mip || s.method == Method::average ||
-                              s.method == Method::xray || s.method == Method::single_scattering))
-    throw p.error("lighting",
-                  "gradient shading is for the methods composite, emission_absorption and isosurface");
+  if (p.has("occlusion_radius") && s.occlusion_samples == 0)
+    throw p.error("occlusion_radius", "has no effect without \"ambient_occlusion\", the number of rays");
+  if (s.method == single_scattering) s.jitter = true;
   const bool is_discrete = s.method == Method::composite;
   for (const char* name : {"form", "alpha", "order"})
     if (p.has(name) && !is_discrete) throw p.error(name, "is for the method \"composite\"");
@@ -69,9 +84,10 @@ DvrSettings DvrSettings::read(const Properties& p) {
 std::vector<ParameterDoc> DvrSettings::rows() {
   return {
       {"method", "string", "", "composite",
-       "composite: step by step; emission_absorption and single_scattering: the integral along the ray to a `tolerance`, the latter "
-       "with the light that the scene's lights bring to each point and the medium scatters once; isosurface; mip: the colour "
-       "of the largest number along the ray; average: that of the mean number; xray: the part of a uniform light behind the volume that passes"},
+       "composite: step by step; emission_absorption: the integral along the ray to a `tolerance`; single_scattering: step by "
+       "step, with `jitter`, the light that the scene's lights bring to each point and the medium scatters once; isosurface; "
+       "mip: the colour of the largest number along the ray; average: that of the mean number; xray: the part of a uniform "
+       "light behind the volume that passes"},
       {"form", "string", "", "opacity_weighted",
        "premultiplied: the colour of a step is the light that it emits, Max and others' C; opacity_weighted: that colour times the opacity of the step"},
       {"alpha", "string", "", "exponential",
@@ -79,21 +95,23 @@ std::vector<ParameterDoc> DvrSettings::rows() {
       {"order", "string", "", "front_to_back", "front_to_back or back_to_front: equal within rounding"},
       {"classification", "string", "", "post",
        "post: the transfer function of the number in the middle of the step; preintegrated: its mean over all numbers between both ends"},
-      {"step", "float", "length", "half a voxel", "length of a step along the ray; the last one is shorter"},
+      {"step", "float", "length", "half a voxel",
+       "length of a step along the ray; the last one is shorter. A ray has at most 1,048,576 steps, else they are longer"},
       {"jitter", "boolean", "", "false",
        "samples lie at a random place of their steps, the same one along a ray, instead of the middle"},
       {"skip_empty", "boolean", "", "true",
        "blocks of the volume that are transparent are skipped, which does not change the picture"},
       {"termination", "float", "", "0.001",
-       "a ray ends where so little of the light behind would arrive: the error is at most this part of the light left out; 0: never"},
+       "a ray ends where less than this part of the light from behind would arrive, which is then left out; 0: never"},
       {"tolerance", "float", "", "0.001",
-       "relative error at which emission_absorption and single_scattering stop halving their steps"},
+       "relative error at which emission_absorption stops halving its steps"},
       {"lighting", "string", "", "none",
-       "gradient: the scene's lights shade the volume by the gradient of its numbers, with the coefficients of the medium"},
+       "gradient: the scene's lights shade the volume by the gradient of its numbers, with the coefficients of the medium; both "
+       "sides of a surface are shaded alike"},
       {"highlight", "string", "", "halfway",
        "specular lobe about the halfway vector (Levoy 1988, Blinn) or the reflection (Phong, as in VTK)"},
       {"shadows", "boolean", "", "false",
-       "lights are attenuated by all media and surfaces between; single_scattering always has it"},
+       "lights are attenuated by all volumes, and blocked by surfaces, between; single_scattering always has it"},
       {"ambient_occlusion", "integer", "", "0",
        "rays that find how much of the ambient light arrives; 0: all of it"},
       {"occlusion_radius", "float", "length", "required with ambient_occlusion", "length of these rays"},

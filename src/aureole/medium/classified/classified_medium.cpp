@@ -23,8 +23,15 @@ ScalarField read_field(const Properties& p) {
   if (volume->channels() > 1)
     throw p.error("value", fmt::format("has {} numbers at each point; one is needed", volume->channels()));
   ScalarField field(*volume);
-  if (!std::isfinite(field.minimum()) || !std::isfinite(field.maximum()))
-    throw p.error("value", "has voxels that are not finite numbers");
+  if (field.broken() > 0)
+    throw p.error("value", fmt::format("has {} voxels that are not finite numbers", field.broken()));
+  for (const char* name : {"filter_type", "wrap_mode"})
+    if (volume->properties().has(name) &&
+        volume->properties().get_string(name) != (name[0] == 'f' ? "trilinear" : "clamp"))
+      throw volume->properties().error(
+          name,
+          "has no effect here: \"classified\" interpolates its numbers linearly, and the grid is not "
+          "continued beyond its box");
   return field;
 }
 
@@ -71,6 +78,7 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
       function_(TransferFunction::read(p)),
       gradient_factor_(read_gradient_factor(p)),
       unit_(float(p.get_float("opacity_unit_length", 1, Range::positive()))),
+      gives_extinction_(p.has("extinction")),
       color_emits_(p.get_choice("color_is", "emission", {"emission", "albedo"}) == "emission"),
       emission_scale_(float(p.get_float("emission_scale", 1, Range::non_negative()))),
       sampling_weight_(float(p.get_float("sampling_weight", 1, Range::non_negative()))),
@@ -112,12 +120,13 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
   for (std::size_t i = 0; i < ranges.size(); ++i)
     bounds[i] = function_.max_extinction(ranges[i][0], ranges[i][1]);
   grid_.emplace(field_.to_box(), cells, std::move(bounds));
-  const char* stated = p.has("extinction") ? "extinction" : "opacity";
+  const char* stated = gives_extinction_ ? "extinction" : "opacity";
   require_computable_extinction(p, stated, double(function_.max_extinction()));
   require_computable_extinction(p, stated, *grid_, 0, 1);
   if (!(grid_->maximum() > 0))
-    p.note(stated, fmt::format("is 0 for all numbers of the volume, which lie between {:g} and {:g}",
-                               field_.minimum(), field_.maximum()));
+    p.note(stated,
+           fmt::format("the extinction is 0 for all numbers of the volume, which lie between {:g} and {:g}",
+                       field_.minimum(), field_.maximum()));
 }
 
 bool ClassifiedMedium::contains(const Vec3& p) const {
@@ -148,8 +157,12 @@ void ClassifiedMedium::clip(const Ray& ray, float& begin, float& end) const {
 }
 
 void ClassifiedMedium::weigh(const Vec3& p, TransferFunction::Sample& s) const {
-  const float opacity = -std::expm1(-s.extinction * unit_);
-  s.extinction = -std::log1p(-opacity * gradient_factor_->at(length(field_.gradient(p))).extinction) / unit_;
+  const float factor = gradient_factor_->at(length(field_.gradient(p))).extinction;
+  if (factor >= 1) return;
+  if (gives_extinction_)
+    s.extinction *= factor;
+  else  // the factor of the opacity of a layer of unit thickness
+    s.extinction = std::min(s.extinction, -std::log1p(factor * std::expm1(-s.extinction * unit_)) / unit_);
 }
 
 void ClassifiedMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
@@ -157,11 +170,11 @@ void ClassifiedMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, Me
   if (grid_->at(p) == 0 || !contains(p)) return;
   const TransferFunction::Sample s = classify(p, field_.value(p));
   out.sigma_t = s.extinction;
-  const Spectrum color = min(ColorBasis(w.nm).eval(s.color), 1.f) * s.extinction;
+  const Spectrum color = ColorBasis(w.nm).eval(s.color);
   if (color_emits_)
-    out.emission = color * d65_.eval(w) * emission_scale_;
+    out.emission = color * d65_.eval(w) * (emission_scale_ * s.extinction);
   else
-    out.sigma_s = color;
+    out.sigma_s = min(color, 1.f) * s.extinction;
 }
 
 std::vector<ParameterDoc> ClassifiedMedium::rows() {

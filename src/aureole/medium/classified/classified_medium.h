@@ -71,8 +71,9 @@ private:
 
   ScalarField field_;
   TransferFunction function_;
-  std::optional<TransferFunction> gradient_factor_;  ///< its extinction is a factor of the opacity
+  std::optional<TransferFunction> gradient_factor_;  ///< its extinction is a factor of opacity or extinction
   float unit_ = 1;                                   ///< length of the layer whose opacity is given
+  bool gives_extinction_;                            ///< whether the function was given as extinction
   std::vector<Plane> planes_;
   bool color_emits_;
   float emission_scale_ = 1, sampling_weight_ = 1;

@@ -35,18 +35,11 @@ ScalarField::ScalarField(const Volume& volume)
             }
       },
       1);
-  const auto [low, high] = std::minmax_element(values_.begin(), values_.end());
-  minimum_ = *low, maximum_ = *high;
-}
-
-float ScalarField::nearest(const Vec3& p) const {
-  const Vec3 i = index_of(p);
-  std::size_t at = 0;
-  for (int k = 0; k < 3; ++k)
-    at +=
-        std::size_t(std::clamp(int(std::lround(std::clamp(i[k], 0.f, 1e9f))), 0, size_[std::size_t(k)] - 1)) *
-        stride_[k];
-  return values_[at];
+  minimum_ = kInfinity, maximum_ = -kInfinity;
+  for (const float v : values_) {
+    broken_ += !std::isfinite(v);
+    minimum_ = std::min(minimum_, v), maximum_ = std::max(maximum_, v);
+  }
 }
 
 Vec3 ScalarField::to_world_gradient(const Vec3& g) const {
@@ -57,10 +50,13 @@ Vec3 ScalarField::to_world_gradient(const Vec3& g) const {
 
 Vec3 ScalarField::gradient(const Vec3& p) const {
   const Vec3 i = index_of(p);
-  const auto difference = [&](const Vec3& step) {
-    return 0.5f * (value_at_index(i + step) - value_at_index(i - step));
+  const auto difference = [&](int k) {
+    const float last = float(padded_[std::size_t(k)] - 1);
+    Vec3 above = i, below = i;
+    above[k] = std::clamp(i[k] + 1, 0.f, last), below[k] = std::clamp(i[k] - 1, 0.f, last);
+    return (value_at_index(above) - value_at_index(below)) / (above[k] - below[k]);
   };
-  return to_world_gradient({difference({1, 0, 0}), difference({0, 1, 0}), difference({0, 0, 1})});
+  return to_world_gradient({difference(0), difference(1), difference(2)});
 }
 
 std::vector<std::array<float, 2>> ScalarField::ranges(const std::array<int, 3>& cells) const {
@@ -68,7 +64,7 @@ std::vector<std::array<float, 2>> ScalarField::ranges(const std::array<int, 3>& 
   std::vector<std::array<float, 2>> ranges(layer * std::size_t(cells[2]));
   const auto span = [&](int cell, std::size_t k) {
     const double step = double(size_[k]) / cells[k];
-    // One voxel more on each side would be needed only by rounding; half of one is what interpolation reaches.
+    // Interpolation within a cell uses the voxels up to half a voxel beyond its faces; the small part is for rounding.
     return std::array{std::clamp(int(std::floor(cell * step - 0.5 - 1e-3)), 0, padded_[k] - 1),
                       std::clamp(int(std::ceil((cell + 1) * step - 0.5 + 1e-3)), 0, padded_[k] - 1)};
   };

@@ -21,6 +21,8 @@ public:
   const std::array<int, 3>& size() const { return size_; }
   /// Smallest distance of two neighbouring centres in the world.
   float spacing() const { return spacing_; }
+  /// How many numbers are not finite; smallest and largest number are those of the others.
+  std::size_t broken() const { return broken_; }
   float minimum() const { return minimum_; }
   float maximum() const { return maximum_; }
 
@@ -31,7 +33,11 @@ public:
             rows_[2][0] * p.x + rows_[2][1] * p.y + rows_[2][2] * p.z + rows_[2][3]};
   }
   /// The change of `index_of` along a vector.
-  Vec3 index_vector(const Vec3& d) const { return index_of(d) - index_of({}); }
+  Vec3 index_vector(const Vec3& d) const {
+    return {rows_[0][0] * d.x + rows_[0][1] * d.y + rows_[0][2] * d.z,
+            rows_[1][0] * d.x + rows_[1][1] * d.y + rows_[1][2] * d.z,
+            rows_[2][0] * d.x + rows_[2][1] * d.y + rows_[2][2] * d.z};
+  }
 
   float value_at_index(const Vec3& i) const {
     std::size_t at;
@@ -45,10 +51,7 @@ public:
     return mix(below, above, t[2]);
   }
   float value(const Vec3& p) const { return value_at_index(index_of(p)); }
-  /// The number at the voxel whose centre is nearest.
-  float nearest(const Vec3& p) const;
-
-  /// Gradient in the world [1/length] by central differences over two voxels.
+  /// Gradient in the world [1/length] by central differences over two voxels, or over one at the border.
   Vec3 gradient(const Vec3& p) const;
 
   /// Smallest and largest number in each of equal cells of the box and on their faces, x fastest.
@@ -74,6 +77,7 @@ private:
   std::size_t stride_[3];
   float rows_[3][4];
   float spacing_ = 0, minimum_ = 0, maximum_ = 0;
+  std::size_t broken_ = 0;
   std::vector<float> values_;
 };
 

@@ -58,6 +58,29 @@ Curve refined(const Curve& curve, int pieces, const Map& map) {
   return out;
 }
 
+/// Returns the extinction of a layer of thickness `unit` by its opacity. Between points it is divided into pieces of equal
+/// changes of the extinction, within each of which it is linear.
+Curve extinction_of(const Curve& opacity, double unit) {
+  const auto thickness = [&](std::size_t i) {
+    return -std::log1p(-std::min(opacity.numbers[i][0], kMaxOpacity));
+  };
+  Curve out;
+  for (std::size_t i = 0; i < opacity.values.size(); ++i) {
+    out.values.push_back(opacity.values[i]), out.numbers.push_back({thickness(i) / unit, 0, 0});
+    if (i + 1 == opacity.values.size() || opacity.values[i] == opacity.values[i + 1] ||
+        thickness(i) == thickness(i + 1))
+      continue;
+    const double from = -std::expm1(-thickness(i)), to = -std::expm1(-thickness(i + 1));
+    for (int k = 1; k < kPieces; ++k) {
+      const double t = thickness(i) + (thickness(i + 1) - thickness(i)) * k / kPieces,
+                   part = (-std::expm1(-t) - from) / (to - from);
+      out.values.push_back(opacity.values[i] + part * (opacity.values[i + 1] - opacity.values[i]));
+      out.numbers.push_back({t / unit, 0, 0});
+    }
+  }
+  return out;
+}
+
 /// Reads a list of a value and `count` numbers at each point. `least` and `most` limit the numbers.
 Curve read_curve(const Properties& p, const std::string& name, std::size_t count, double most,
                  const char* example) {
@@ -288,10 +311,7 @@ TransferFunction TransferFunction::read(const Properties& p, const std::string& 
            fmt::format("opacities above {:g} in a unit of length count as {:g}, because an opacity of 1 "
                        "needs an infinite extinction",
                        kMaxOpacity, kMaxOpacity));
-  const Curve extinction = refined(*opacity, kPieces, [&](const std::array<double, 3>& c) {
-    return std::array<double, 3>{-std::log1p(-std::min(c[0], kMaxOpacity)) / unit, 0, 0};
-  });
-  return {extinction, color};
+  return {extinction_of(*opacity, unit), color};
 }
 
 std::vector<ParameterDoc> TransferFunction::rows() {
