@@ -365,12 +365,173 @@ TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
   EXPECT_EQ(run("fit cgats.cgats"), 0);
   EXPECT_NE(said.find("was measured at the geometry 45_0, specular excluded"), std::string::npos) << said;
 
-  ASSERT_EQ(run("colour plain.cxf --standard sphere.cxf#chalk"), 0) << said;
+  ASSERT_EQ(run("colour plain.cxf --standard 'sphere.cxf#chalk over card'"), 0) << said;
   EXPECT_NE(said.find("state different geometries"), std::string::npos) << said;
   write("a.cxf", with("<cc:MultiAngle/>"));
   fails("fit a.cxf", "measurements at several angles");
   write("a.cxf", with("<cc:SingleAngle><cc:IlluminationAngle>15</cc:IlluminationAngle></cc:SingleAngle>"));
   fails("fit a.cxf", "SingleAngle needs MeasurementAngle");
+}
+
+/// A green of a narrow band, every 20 nm: linear interpolation would raise a* by 0.8.
+TEST_F(PigmentCli, TargetAndStandardAreInterpolatedAsColoursAre) {
+  const auto green = [&](const std::string& name, double step) {
+    std::ostringstream head, row;
+    for (double l = 400; l <= 700; l += step) {
+      head << ',' << l;
+      row << ',' << 0.04 + 0.5 * std::exp(-std::pow((l - 525) / 30, 2));
+    }
+    write(name, "sample" + head.str() + "\ngreen" + row.str() + "\n");
+  };
+  green("ten.csv", 10), green("twenty.csv", 20);
+  ASSERT_EQ(run("colour twenty.csv --json c.json"), 0) << said;
+  const auto alone = json("c.json")["samples"][0]["lab"];
+  ASSERT_EQ(run("match kimera twenty.csv#green --json m.json"), 0) << said;
+  EXPECT_NE(
+      said.find("148 of the palette's 170 wavelengths are used, and values between the 16 measured ones are "
+                "interpolated"),
+      std::string::npos)
+      << said;
+  ASSERT_EQ(run("colour ten.csv --standard twenty.csv#green --json c.json"), 0) << said;
+  EXPECT_NE(said.find("twenty.csv#green: has other wavelengths than ten.csv; 31 of the latter are used"),
+            std::string::npos)
+      << said;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(json("m.json")["target"][i], alone[i], 0.02) << i;
+    EXPECT_NEAR(json("c.json")["standard"]["lab"][i], alone[i], 0.06) << i;
+  }
+}
+
+/// Gloss of an index of 1.5 at 8 degrees is ((1.5 - 1)/(1.5 + 1))^2 = 4.0 %.
+TEST_F(PigmentCli, EachFileHasItsOwnGeometry) {
+  const auto cgats = [&](const std::string& name, const std::string& geometry, const std::string& rows) {
+    std::string head;
+    for (int l = 400; l <= 700; l += 20) head += " nm" + std::to_string(l);
+    write(name, "MEASUREMENT_GEOMETRY \"" + geometry + "\"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME" + head +
+                    "\nEND_DATA_FORMAT\nBEGIN_DATA\n" + rows + "END_DATA\n");
+  };
+  const auto grey = [](const std::string& name, double r) {
+    std::string row = name;
+    for (int l = 400; l <= 700; l += 20) row += " " + std::to_string(r);
+    return row + "\n";
+  };
+  cgats("out.cgats", "d/8 SCE", grey("batch", 0.46));
+  cgats("in.cgats", "d/8 SCI", grey("master", 0.5));
+  ASSERT_EQ(run("colour out.cgats --standard in.cgats#master --to-specular included --json c.json"), 0)
+      << said;
+  EXPECT_NEAR(json("c.json")["standard"]["xyz"][1], 50, 1e-6);
+  EXPECT_NEAR(json("c.json")["samples"][0]["xyz"][1], 50, 1e-3);
+  EXPECT_EQ(said.find("state different geometries"), std::string::npos) << said;
+  // Unconverted they differ in colour, and not in strength.
+  ASSERT_EQ(run("colour out.cgats --standard in.cgats#master --json c.json"), 0) << said;
+  EXPECT_NEAR(json("c.json")["standard"]["xyz"][1], 50, 1e-6);
+  EXPECT_NEAR(json("c.json")["samples"][0]["xyz"][1], 46, 1e-6);
+  EXPECT_NEAR(json("c.json")["samples"][0]["difference"]["strength"]["maximum"], 1, 1e-3);
+  EXPECT_NEAR(json("c.json")["samples"][0]["difference"]["strength"]["tone_ciede2000"], 0, 1e-2);
+  cgats("none.cgats", "", grey("master", 0.46));
+  ASSERT_EQ(run("colour out.cgats --standard none.cgats#master"), 0) << said;
+  EXPECT_NE(said.find("none.cgats: states no geometry; that of out.cgats is taken for it"), std::string::npos)
+      << said;
+  cgats("angle.cgats", "45/0", grey("batch", 0.46));
+  ASSERT_EQ(run("colour angle.cgats --to-specular included"), 0) << said;
+  EXPECT_NE(said.find("--to-specular: has no effect at 45_0"), std::string::npos) << said;
+
+  // A recipe as a sphere instrument sees it, gloss included, comes back.
+  ASSERT_EQ(run("mix kimera 'red: 1 + white: 3' --geometry d8 --specular included --json mix.json"), 0)
+      << said;
+  const auto mix = json("mix.json");
+  std::string head, row = "wanted";
+  for (std::size_t i = 0; i < mix["reflectance"].size(); ++i)
+    head += " nm" + mix["wavelengths_nm"][i].dump(), row += " " + mix["reflectance"][i].dump();
+  const std::string text =
+      "\nBEGIN_DATA_FORMAT\nSAMPLE_NAME" + head + "\nEND_DATA_FORMAT\nBEGIN_DATA\n" + row + "\nEND_DATA\n";
+  write("sphere.cgats", "MEASUREMENT_GEOMETRY \"d/8 SCI\"" + text);
+  ASSERT_EQ(run("match kimera sphere.cgats#wanted --json m.json"), 0) << said;
+  EXPECT_NE(said.find("recipes are predicted with this interface instead of the palette's"),
+            std::string::npos)
+      << said;
+  EXPECT_LT(json("m.json")["solutions"][0]["difference"], 5e-3);
+  EXPECT_NEAR(json("m.json")["solutions"][0]["recipe"]["red"], 0.25, 0.0025);
+  ASSERT_EQ(run("match kimera sphere.cgats#wanted --geometry 45_0 --json m.json"), 0) << said;
+  EXPECT_GT(json("m.json")["solutions"][0]["difference"].get<double>() +
+                json("m.json")["solutions"][0]["rms"].get<double>(),
+            0.01);
+}
+
+TEST_F(PigmentCli, NamesThatSeveralPanelsHave) {
+  const std::string nm = "400,420,440,460,480,500,520,540,560,580,600,620,640,660,680,700";
+  const auto grey = [](const std::string& value) {
+    std::string row;
+    for (int i = 0; i < 16; ++i) row += "," + value;
+    return row + "\n";
+  };
+  write("films.csv", "sample,paints,backing,unit," + nm + "\nbc,,,percent" + grey("4") + "wc,,,percent" +
+                         grey("82") + "ochre,ochre,bc,percent" + grey("40") + "ochre,ochre,wc,percent" +
+                         grey("50") + "ochre,ochre,wc,percent" + grey("52"));
+  fails(
+      "match kimera films.csv#ochre",
+      "films.csv: 2 samples are called \"ochre\"; name one of them, as in films.csv#ochre over bc: there are ochre "
+      "over bc, ochre over wc");
+  fails("colour films.csv --standard films.csv#ochre", "2 samples are called \"ochre\"");
+  ASSERT_EQ(run("colour 'films.csv#ochre over wc' --json c.json"), 0) << said;
+  EXPECT_EQ(json("c.json")["samples"].size(), 1u);
+  EXPECT_NEAR(json("c.json")["samples"][0]["xyz"][1], 51, 1e-6);
+  EXPECT_NE(said.find("2 measurements of \"ochre over wc\" are averaged"), std::string::npos) << said;
+  ASSERT_EQ(run("match kimera 'films.csv#ochre over wc'"), 0) << said;
+  EXPECT_NE(said.find("2 measurements of \"ochre over wc\" are averaged"), std::string::npos) << said;
+  // The darker card carries the brighter layer; of a grey neither hue nor sign is printed.
+  write("swapped.csv", "sample,paints,backing,unit," + nm + "\nbc,,,percent" + grey("4") + "wc,,,percent" +
+                           grey("82") + "ochre,ochre,bc,percent" + grey("50") + "ochre,ochre,wc,percent" +
+                           grey("40"));
+  ASSERT_EQ(run("colour swapped.csv"), 0) << said;
+  EXPECT_NE(said.find("a contrast ratio of 1.2500 is above 1"), std::string::npos) << said;
+  EXPECT_EQ(said.find("-0.00"), std::string::npos) << said;
+  EXPECT_NE(said.find("    0.00       -  "), std::string::npos) << said;
+
+  write("fifty.csv", "sample,unit," + nm + "\na,fraction" + grey("50"));
+  fails("colour fifty.csv",
+        "fifty.csv:2:12: sample \"a\" at 400 nm: a reflectance of 50 is above 1.05; if the values "
+        "are per cent");
+  fails("match kimera fifty.csv#a", "a reflectance of 50 is above 1.05");
+  write("more.csv", "sample,unit," + nm + "\na,percent" + grey("120"));
+  fails("colour more.csv", "a reflectance of 1.2 is above 1.05; is the unit right");
+  write("coarse.csv", "sample,400,500,600,700\na,0.5,0.5,0.5,0.5\n");
+  ASSERT_EQ(run("colour coarse.csv"), 0) << said;
+  EXPECT_NE(said.find("coarse.csv: wavelengths are up to 100 nm apart; colours of 13 measured paints"),
+            std::string::npos)
+      << said;
+  ASSERT_EQ(run("colour films.csv"), 0) << said;
+  EXPECT_EQ(said.find("nm apart"), std::string::npos) << said;
+  write("one.csv", "sample,550\na,0.5\n");
+  fails("colour one.csv", "one.csv: has one wavelength, 550 nm");
+  write("nameless.csv", "unit," + nm + "\npercent" + grey("50"));
+  fails("colour nameless.csv", "there is no column \"sample\", the name of each measurement");
+}
+
+TEST_F(PigmentCli, OptionsThatContradictOrDoNothing) {
+  write("white.csv",
+        "sample,400,420,440,460,480,500,520,540,560,580,600,620,640,660,680,700\n"
+        "a,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9,0.9\n");
+  ASSERT_EQ(run("colour white.csv --illuminant d65 --json c.json"), 0) << said;
+  EXPECT_EQ(json("c.json")["viewing"], "D65");
+  EXPECT_NEAR(json("c.json")["samples"][0]["whiteness"]["whiteness"], 90, 1e-6);
+  EXPECT_NEAR(json("c.json")["samples"][0]["yellowness"], 0, 0.02);
+  fails("colour white.csv --illuminant D65/10 --observer 2", "states another observer than --observer 2");
+  ASSERT_EQ(run("match kimera 'lab(50,20,10)' --illuminant D65/10"), 0) << said;
+  ASSERT_EQ(run("colour white.csv --others A --cmc 1:1 --cie94 textiles"), 0) << said;
+  for (const char* option : {"--others", "--cmc", "--cie94"})
+    EXPECT_NE(said.find(std::string(option) + ": has no effect without --standard"), std::string::npos)
+        << said;
+  EXPECT_NE(run("hide kimera white --spreading-rate 0"), 0);
+  EXPECT_NE(run("hide kimera white --solids 0"), 0);
+  EXPECT_NE(run("mix kimera white --k1 -0.1 --k2 0.5"), 0);
+  EXPECT_NE(said.find("--k1: Value -0.1 not in range"), std::string::npos) << said;
+  ASSERT_EQ(run("mix kimera white --index 1.4"), 0) << said;
+  EXPECT_NE(said.find("--index: has no effect without an interface"), std::string::npos) << said;
+  write("prices.csv", "paint,price\nwhite,2\nwhite,5\n");
+  fails("match kimera teal --prices prices.csv", "prices.csv:3:1: \"white\" has a price in line 2 already");
+  write("twice.csv", "unit,relative\nnm,a K,a S,a K,a S\n400,0.1,1,0.2,1\n700,0.1,1,0.2,1\n");
+  fails("mix twice.csv a", "twice.csv:2:12: the column \"a K\" comes twice");
 }
 
 TEST_F(PigmentCli, TablesAsLaboratoriesKeepThem) {

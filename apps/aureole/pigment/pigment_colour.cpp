@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,9 +22,9 @@ namespace aureole {
 namespace {
 
 struct ColourOptions {
-  std::string samples, standard, white, cie94 = "graphic_arts", to_geometry, to_specular, json;
-  std::vector<std::string> others{"A", "F11"};
-  std::vector<double> cmc{2, 1};
+  std::string samples, standard, white, cie94, to_geometry, to_specular, json;
+  std::vector<std::string> others;
+  std::vector<double> cmc;
   LightOptions light;
   SurfaceOptions surface;
 };
@@ -41,32 +42,6 @@ std::optional<pigment::Surface> other_surface(const ColourOptions& o) {
   return to.surface();
 }
 
-/// Repeats of one sample, averaged.
-struct Measured {
-  std::string name;
-  std::vector<double> values;
-  int count = 0;
-  const pigment::Sample* first = nullptr;
-};
-
-/// Reflectances of the table by name, in the file's order. Samples of one name over different cards are kept apart.
-std::vector<Measured> measured_samples(const pigment::SampleTable& table, const std::string& wanted) {
-  std::vector<Measured> all;
-  for (const pigment::Sample& s : table.samples) {
-    if (s.quantity != pigment::Sample::Quantity::reflectance) continue;
-    if (!wanted.empty() && s.name != wanted) continue;
-    const auto same = std::find_if(all.begin(), all.end(), [&](const Measured& m) {
-      return m.name == s.name && m.first->backing == s.backing;
-    });
-    Measured& m = same == all.end() ? all.emplace_back(Measured{s.name, s.values, 0, &s}) : *same;
-    if (same != all.end())
-      for (std::size_t i = 0; i < m.values.size(); ++i)
-        m.values[i] += (s.values[i] - m.values[i]) / (m.count + 1);
-    ++m.count;
-  }
-  return all;
-}
-
 /// Luminous reflectance of what a sample lies on; nothing if it is not known.
 std::optional<double> luminance_below(const pigment::SampleTable& table, const pigment::Sample& sample,
                                       const pigment::Observation& lamp) {
@@ -79,13 +54,13 @@ std::optional<double> luminance_below(const pigment::SampleTable& table, const p
 /// Contrast ratios of layers that were measured over two cards: luminous reflectance over the darker divided by that
 /// over the brighter card.
 std::map<std::string, double> contrast_ratios(const pigment::SampleTable& table,
-                                              const std::vector<Measured>& samples,
+                                              const std::vector<pigment::Panel>& samples,
                                               const pigment::Observation& lamp) {
   struct Pair {
     double dark = 2, bright = -1, over_dark = 0, over_bright = 0;
   };
   std::map<std::string, Pair> pairs;
-  for (const Measured& m : samples) {
+  for (const pigment::Panel& m : samples) {
     const auto below = luminance_below(table, *m.first, lamp);
     if (m.first->paints.empty() || !below) continue;
     Pair& p = pairs[pigment::specimen_key(*m.first)];
@@ -100,7 +75,7 @@ std::map<std::string, double> contrast_ratios(const pigment::SampleTable& table,
 }
 
 std::string number_or_dash(const std::optional<double>& value, int digits = 2) {
-  return value ? fmt::format("{:.{}f}", *value, digits) : "-";
+  return value ? fmt::format("{:.{}f}", shown(*value), digits) : "-";
 }
 
 nlohmann::json figures_json(const ColourFigures& f) {
@@ -133,7 +108,64 @@ nlohmann::json comparison_json(const ColourComparison& c, const std::vector<std:
   return out;
 }
 
+/// Notes options about differences where there is no standard, and sets those that are not given.
+void complete(ColourOptions& o) {
+  if (o.standard.empty())
+    for (const auto& [option, is_given] : {std::pair{"--white", !o.white.empty()},
+                                           {"--others", !o.others.empty()},
+                                           {"--cmc", !o.cmc.empty()},
+                                           {"--cie94", !o.cie94.empty()}})
+      if (is_given) tell("note: {}: has no effect without --standard\n", option);
+  if (o.others.empty()) o.others = {"A", "F11"};
+  if (o.cmc.empty()) o.cmc = {2, 1};
+}
+
+/// The standard or the white, its interface, and the file that it is from.
+struct Reference {
+  std::string text, file;
+  MeasuredReflectance measured;
+  SurfaceOptions surface;
+};
+
+/// Reads "FILE#SAMPLE". Its interface is that of its own file, or `samples` where this file states none. `given` are the
+/// options, and `samples` these with the geometry of the file of samples.
+Reference reference_called(const std::string& text, const std::string& option,
+                           const std::string& samples_file, const SurfaceOptions& given,
+                           const SurfaceOptions& samples) {
+  Reference r{text, text.substr(0, std::min(text.rfind('#'), text.size())),
+              mean_reflectance_called(text, option), samples};
+  if (r.file == samples_file) return r;
+  for (const std::string& note : r.measured.notes) tell("note: {}: {}\n", r.file, note);
+  if (!r.measured.instrument.geometry.empty()) {
+    r.surface = given;
+    r.surface.take(r.measured.instrument, r.file);
+  } else if (!given.given() && samples.given()) {
+    tell("note: {}: states no geometry; that of {} is taken for it\n", r.file, samples_file);
+  }
+  return r;
+}
+
+/// The hue angle, or a dash for greys, which have none.
+std::string hue_text(const pigment::Lab& lab) {
+  return pigment::chroma(lab) < 0.005 ? "-" : fmt::format("{:.1f}", pigment::hue_degrees(lab));
+}
+
+/// Reflectances of a reference as an instrument with the interface of the samples would measure them.
+std::vector<double> as_measured_by(const Reference& r, const SurfaceOptions& samples,
+                                   const std::vector<double>& nm) {
+  std::vector<double> values = r.measured.at(nm);
+  if (r.surface.text() == samples.text()) return values;
+  const pigment::Surface from = r.surface.surface(), to = samples.surface();
+  for (std::size_t i = 0; i < nm.size(); ++i) try {
+      values[i] = pigment::converted_reflectance(from, to, values[i]);
+    } catch (const std::domain_error& e) {
+      throw Error({r.file, 0, 0}, fmt::format("\"{}\" at {:g} nm: {}", r.text, nm[i], e.what()));
+    }
+  return values;
+}
+
 int colour(ColourOptions o) {
+  complete(o);
   if (o.cmc.size() != 2 || !(o.cmc[0] > 0 && o.cmc[1] > 0))
     throw Error("--cmc: expected two positive numbers l:c, as in 2:1");
   const auto mark = o.samples.rfind('#');
@@ -141,9 +173,13 @@ int colour(ColourOptions o) {
   const std::string file = is_one ? o.samples.substr(0, mark) : o.samples;
   pigment::SampleTable table = read_sample_file(file, pigment::Recipes::optional);
   for (const std::string& note : table.notes) tell("note: {}: {}\n", file, note);
+  located_in(file, table, [&] { return pigment::check_not_above_white(table), 0; });
+  const SurfaceOptions given = o.surface;
   o.surface.take(table.instrument, file);
   const auto to = other_surface(o);
   o.surface.note_unused();
+  if (!o.to_specular.empty() && (o.to_geometry.empty() ? o.surface.geometry : o.to_geometry) == "45_0")
+    tell("note: --to-specular: has no effect at 45_0, where specular light is never measured\n");
   std::vector<double> nm = table.nm;
   std::vector<double> standard, white;
   ColourSettings settings{
@@ -151,28 +187,33 @@ int colour(ColourOptions o) {
       .cmc_l = o.cmc[0],
       .cmc_c = o.cmc[1],
       .cie94 = o.cie94 == "textiles" ? pigment::Cie94::textiles : pigment::Cie94::graphic_arts};
-  for (const std::string& other : o.others)
-    if (viewed_at(other, o.light.observer) != settings.viewing)
-      settings.others.push_back(viewed_at(other, o.light.observer));
-  if (o.standard.empty() && !o.white.empty()) tell("note: --white: has no effect without --standard\n");
+  settings.others = o.light.others(o.others);
 
   // All are taken at the samples' wavelengths that the standard and the white have as well.
-  std::optional<MeasuredReflectance> of_standard, of_white;
-  if (!o.standard.empty()) of_standard = mean_reflectance_called(o.standard, "--standard");
-  if (!o.white.empty() && of_standard) of_white = mean_reflectance_called(o.white, "--white");
-  for (const auto& [text, other] : {std::pair{o.standard, of_standard}, {o.white, of_white}})
-    if (other && !(other->instrument.geometry == table.instrument.geometry &&
-                   other->instrument.specular == table.instrument.specular))
-      tell("note: {} and {} state different geometries; their differences contain that of the instruments\n",
-           file, text);
+  std::optional<Reference> of_standard, of_white;
+  if (!o.standard.empty()) of_standard = reference_called(o.standard, "--standard", file, given, o.surface);
+  if (!o.white.empty() && of_standard)
+    of_white = reference_called(o.white, "--white", file, given, o.surface);
+  for (const auto* other : {&of_standard, &of_white})
+    if (*other && !to &&
+        !((*other)->measured.instrument.geometry == table.instrument.geometry &&
+          (*other)->measured.instrument.specular == table.instrument.specular))
+      tell(
+          "note: {} and {} state different geometries; their differences contain that of the instruments; "
+          "--to-geometry and --to-specular convert both\n",
+          file, (*other)->text);
   const auto through = std::count_if(
       table.samples.begin(), table.samples.end(),
       [](const pigment::Sample& s) { return s.quantity == pigment::Sample::Quantity::transmittance; });
   if (through > 0) tell("note: {}: {} transmittances are left out\n", file, through);
   std::vector<std::size_t> kept;
+  if (nm.size() < 2)
+    throw Error({file, 0, 0},
+                fmt::format("has one wavelength, {:g} nm; a colour needs those from 400 to 700 nm",
+                            nm.empty() ? 0 : nm.front()));
   for (std::size_t i = 0; i < nm.size(); ++i) {
-    const auto has = [&](const std::optional<MeasuredReflectance>& m) {
-      return !m || (nm[i] >= m->nm.front() && nm[i] <= m->nm.back());
+    const auto has = [&](const std::optional<Reference>& m) {
+      return !m || (nm[i] >= m->measured.nm.front() && nm[i] <= m->measured.nm.back());
     };
     if (has(of_standard) && has(of_white)) kept.push_back(i);
   }
@@ -187,35 +228,62 @@ int colour(ColourOptions o) {
   };
   nm = cut(nm);
   for (pigment::Sample& s : table.samples) s.values = cut(s.values);
-  const auto seen = [&](std::vector<double> values, const std::string& name) {
+  for (const auto* other : {&of_standard, &of_white})
+    if (*other && (*other)->measured.nm != table.nm)
+      tell(
+          "note: {}: has other wavelengths than {}; {} of the latter are used, and values between the {} measured ones are "
+          "interpolated\n",
+          (*other)->text, file, nm.size(), (*other)->measured.nm.size());
+  if (const std::string note = sampling_note(settings.viewing, nm); !note.empty())
+    tell("note: {}: {}\n", file, note);
+  const auto seen = [&](std::vector<double> values, const std::string& in, const std::string& name,
+                        const SurfaceOptions& measured) {
     if (!to) return values;
-    const pigment::Surface from = o.surface.surface();
+    const pigment::Surface from = measured.surface();
     for (std::size_t i = 0; i < values.size(); ++i) try {
         values[i] = pigment::converted_reflectance(from, *to, values[i]);
       } catch (const std::domain_error& e) {
-        throw Error({file, 0, 0}, fmt::format("sample \"{}\" at {:g} nm: {}", name, nm[i], e.what()));
+        throw Error({in, 0, 0}, fmt::format("sample \"{}\" at {:g} nm: {}", name, nm[i], e.what()));
       }
     return values;
   };
   settings.strength.surface = to ? *to : o.surface.surface();
-  if (of_standard) standard = seen(of_standard->at(nm), o.standard);
-  if (of_white) settings.strength.white = seen(of_white->at(nm), o.white);
+  if (of_standard) {
+    const Reference& r = *of_standard;
+    standard = seen(r.measured.at(nm), r.file, r.text, r.surface);
+    // K/S of each follows by its own interface.
+    if (!to) settings.standard_for_strength = as_measured_by(r, o.surface, nm);
+  }
+  if (of_white)
+    settings.strength.white =
+        to ? seen(of_white->measured.at(nm), of_white->file, of_white->text, of_white->surface)
+           : as_measured_by(*of_white, o.surface, nm);
 
-  std::vector<Measured> samples = measured_samples(table, is_one ? o.samples.substr(mark + 1) : "");
-  if (samples.empty() && is_one)
-    mean_reflectance(file, o.samples.substr(mark + 1));  // throws, with the names
+  std::vector<pigment::Panel> samples = pigment::panels_of(table);
+  if (is_one) {
+    const std::string wanted = o.samples.substr(mark + 1);
+    std::vector<pigment::Panel> found = pigment::panels_called(samples, wanted);
+    if (found.empty()) mean_reflectance(file, wanted);  // throws, with the names
+    samples = std::move(found);
+  }
   if (samples.empty()) throw Error({file, 0, 0}, "there is no reflectance");
-  for (Measured& m : samples) m.values = seen(m.values, m.name);
+  for (pigment::Panel& m : samples) {
+    if (m.count > 1) tell("note: {}: {} measurements of \"{}\" are averaged\n", file, m.count, m.name);
+    m.values = seen(m.values, file, m.name, o.surface);
+  }
 
   const pigment::Observation lamp = observe(settings.viewing, nm);
   const std::map<std::string, double> contrast = contrast_ratios(table, samples, lamp);
-  const auto title = [&](const Measured& m) {
-    const bool repeated = std::count_if(samples.begin(), samples.end(),
-                                        [&](const Measured& other) { return other.name == m.name; }) > 1;
-    return repeated ? m.name + " over " + m.first->backing : m.name;
-  };
+  for (const pigment::Panel& m : samples)
+    if (const auto at = contrast.find(m.first->paints.empty() ? "" : pigment::specimen_key(*m.first));
+        at != contrast.end() && at->second > 1)
+      tell(
+          "note: {}: \"{}\": a contrast ratio of {:.4f} is above 1: the layer reflects more over the darker card; are "
+          "the cards swapped?\n",
+          file, m.name, at->second);
+  const auto title = [](const pigment::Panel& m) { return m.name; };
   std::size_t width = 10;
-  for (const Measured& m : samples) width = std::max(width, std::min<std::size_t>(title(m).size(), 40));
+  for (const pigment::Panel& m : samples) width = std::max(width, std::min<std::size_t>(title(m).size(), 40));
 
   nlohmann::json out = {{"viewing", settings.viewing}, {"samples", nlohmann::json::array()}};
   fmt::print("{}, observer {} degrees; interface: {}{}\n\n", viewing_of(settings.viewing).illuminant,
@@ -231,9 +299,9 @@ int colour(ColourOptions o) {
     // The formula of whiteness holds for whites only.
     const bool is_white = f.whiteness && f.whiteness->is_valid;
     fmt::print(
-        "{:<{}} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.1f} {:>7} {:>7} {:>7} {:>8}\n",
-        name, width, f.xyz[0], f.xyz[1], f.xyz[2], f.lab.l, f.lab.a, f.lab.b, pigment::chroma(f.lab),
-        pigment::hue_degrees(f.lab),
+        "{:<{}} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:>7} {:>7} {:>7} {:>7} {:>8}\n",
+        name, width, f.xyz[0], f.xyz[1], f.xyz[2], shown(f.lab.l), shown(f.lab.a), shown(f.lab.b),
+        pigment::chroma(f.lab), hue_text(f.lab),
         number_or_dash(is_white ? std::optional(f.whiteness->whiteness) : std::nullopt),
         number_or_dash(is_white ? std::optional(f.whiteness->tint) : std::nullopt),
         number_or_dash(f.yellowness), number_or_dash(ratio, 4));
@@ -243,7 +311,7 @@ int colour(ColourOptions o) {
     return one;
   };
   if (of_standard) out["standard"] = row(o.standard.substr(o.standard.rfind('#') + 1), standard, {});
-  for (const Measured& m : samples) {
+  for (const pigment::Panel& m : samples) {
     const auto ratio =
         contrast.find(m.first->paints.empty() ? std::string() : pigment::specimen_key(*m.first));
     out["samples"].push_back(
@@ -255,7 +323,7 @@ int colour(ColourOptions o) {
 
   if (of_standard) {
     std::vector<ColourComparison> all;
-    for (const Measured& m : samples) {
+    for (const pigment::Panel& m : samples) {
       all.push_back(compare_colours(nm, standard, m.values, settings));
       out["samples"][all.size() - 1]["difference"] = comparison_json(all.back(), settings.others);
     }
@@ -266,8 +334,8 @@ int colour(ColourOptions o) {
       const ColourComparison& c = all[i];
       fmt::print(
           "{:<{}} {:+7.2f} {:+7.2f} {:+7.2f} {:+7.2f} {:+7.2f} {:8.2f} {:9.2f} {:7.2f} {:9.2f} {:7.2f}\n",
-          title(samples[i]), width, c.lab.l, c.lab.a, c.lab.b, c.lch.c, c.lch.h, c.cie1976, c.cmc, c.cie94,
-          c.ciede2000, c.din99o);
+          title(samples[i]), width, shown(c.lab.l), shown(c.lab.a), shown(c.lab.b), shown(c.lch.c),
+          shown(c.lch.h), c.cie1976, c.cmc, c.cie94, c.ciede2000, c.din99o);
     }
     fmt::print("\n{:<{}} {:>8} {:>7} {:>8} {:>9} {:>16} {:>7} {:>7} {:>9}\n", "K/S strength, %", width,
                "maximum", "at nm", "summed", "weighted", "tint tone:  dL*", "dC*", "dH*", "CIEDE2000");
@@ -276,8 +344,8 @@ int colour(ColourOptions o) {
       if (c.strength)
         fmt::print("{:<{}} {:8.2f} {:7.0f} {:8.2f} {:9.2f} {:+16.2f} {:+7.2f} {:+7.2f} {:9.2f}\n",
                    title(samples[i]), width, 100 * c.strength->at_maximum, c.strength->nm,
-                   100 * c.strength->summed, 100 * c.strength->weighted, c.tone.l, c.tone.c, c.tone.h,
-                   c.tone_ciede2000);
+                   100 * c.strength->summed, 100 * c.strength->weighted, shown(c.tone.l), shown(c.tone.c),
+                   shown(c.tone.h), c.tone_ciede2000);
       else
         fmt::print("{:<{}} -  {}\n", title(samples[i]), width, c.no_strength);
     }
@@ -314,9 +382,8 @@ std::function<int()> declare(CommandOptions& options) {
            "illuminants, or observers as in D65/10, of the metamerism indices (default A,F11)")
       .separated_by(',');
   options.add("--cmc", o->cmc, "l:c of the CMC difference (default 2:1)").separated_by(':');
-  options.add("--cie94", o->cie94, "parametric factors of CIE94")
-      .one_of({"graphic_arts", "textiles"})
-      .shows_default();
+  options.add("--cie94", o->cie94, "parametric factors of CIE94: graphic_arts (default) or textiles")
+      .one_of({"graphic_arts", "textiles"});
   options.add("--white", o->white,
               "FILE#SAMPLE: the white or base without colorant, whose K/S is subtracted for the strength");
   o->surface.declare(options, "the measurements");

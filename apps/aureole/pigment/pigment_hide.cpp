@@ -25,6 +25,7 @@ struct HideOptions {
 
 int hide(const HideOptions& o) {
   if (!(o.white > o.black)) throw Error("--white: must reflect more than --black");
+  o.surface.note_unused();
   const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
@@ -127,11 +128,11 @@ std::function<int()> declare(CommandOptions& options) {
   options
       .add("--solids", o->solids,
            "volume of the dry film per volume of wet paint: prints the spreading rate in m^2/l")
-      .between(0.0, 1.0);
+      .between(0.001, 1.0);
   options
       .add("--spreading-rate", o->rate,
            "with --solids: print the contrast ratio at this rate in m^2/l (ISO 6504)")
-      .between(0.0, 1e6);
+      .between(0.001, 1e6);
   o->surface.declare(options, "the result, instead of the palette's interface");
   options.add("--step", o->step, "step between printed wavelengths in nm").between(0.01, 1e9).shows_default();
   options.add("--plot", o->plot, "write the contrast ratio by thickness to this SVG file").names_output();

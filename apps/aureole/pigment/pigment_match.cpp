@@ -81,6 +81,7 @@ std::vector<std::pair<std::size_t, std::size_t>> forbidden_pairs(const pigment::
 std::vector<double> read_prices(const std::string& file, const pigment::Palette& palette,
                                 const std::vector<double>& most) {
   std::vector<double> prices(palette.pigments.size(), -1);
+  std::vector<int> lines(palette.pigments.size());
   std::istringstream text = read_table_file(file);
   try {
     for (const pigment::TextRow& row : pigment::read_text_table(text)) {
@@ -99,7 +100,11 @@ std::vector<double> read_prices(const std::string& file, const pigment::Palette&
              did_you_mean(row.cells[0].text, palette.names()));
         continue;
       }
-      prices[*at] = *price;
+      if (lines[*at] > 0)
+        throw pigment::TextError(row.line, row.cells[0].column,
+                                 fmt::format("\"{}\" has a price in line {} already; one line for each paint",
+                                             row.cells[0].text, lines[*at]));
+      prices[*at] = *price, lines[*at] = row.line;
     }
   } catch (const pigment::TextError& e) {
     throw Error({file, e.line(), e.column()}, e.what());
@@ -112,16 +117,34 @@ std::vector<double> read_prices(const std::string& file, const pigment::Palette&
   return prices;
 }
 
-int match(const MatchOptions& o) {
+/// Predicts recipes as the instrument of the target measures them, unless options give an interface.
+void take_geometry(ColourTarget& wanted, SurfaceOptions& surface) {
+  if (wanted.instrument.geometry.empty()) return;
+  const bool is_given = surface.given(), has_interface = wanted.palette.surface.through < 1;
+  if (!is_given && !has_interface) {
+    tell(
+        "note: {}: was measured at the geometry {}; that has no effect, since this palette has no interface\n",
+        wanted.file, SurfaceOptions::stated(wanted.instrument));
+    return;
+  }
+  surface.take(wanted.instrument, wanted.file);
+  if (is_given) return;
+  wanted.palette.surface = surface.surface();
+  tell(
+      "note: recipes are predicted with this interface instead of the palette's; --geometry states another\n");
+}
+
+int match(MatchOptions o) {
   const pigment::Palette whole = usable_palette(o.palette, o.surface);
   const std::string viewing = o.light.viewing();
-  const ColourTarget wanted = read_colour_target(o.target, whole, viewing, "target");
+  ColourTarget wanted = read_colour_target(o.target, whole, viewing, "target");
+  for (const std::string& note : wanted.notes) tell("note: {}: {}\n", wanted.file, note);
+  take_geometry(wanted, o.surface);
+  o.surface.note_unused();
   const pigment::Palette& palette = wanted.palette;
   const pigment::Observation lamp = observe(viewing, palette.nm);
   std::vector<pigment::Observation> others;
-  for (const std::string& name : o.others)
-    if (const std::string other = viewed_at(name, o.light.observer); other != viewing)
-      others.push_back(observe(other, palette.nm));
+  for (const std::string& other : o.light.others(o.others)) others.push_back(observe(other, palette.nm));
 
   pigment::MatchSettings settings;
   settings.max_paints = o.paints, settings.solutions = o.solutions;
@@ -157,7 +180,8 @@ int match(const MatchOptions& o) {
 
   const pigment::Lab& lab = wanted.target.lab;
   fmt::print("{}: L* {:.2f}  a* {:.2f}  b* {:.2f} under {}; {} paints, at most {} of them, {:.2f} s\n\n",
-             o.target, lab.l, lab.a, lab.b, viewing, palette.pigments.size(), o.paints, seconds);
+             o.target, lab.l, shown(lab.a), shown(lab.b), viewing, palette.pigments.size(), o.paints,
+             seconds);
   fmt::print("{:>9}", viewing);
   if (spectral) {
     for (const auto& other : others) fmt::print("{:>9}", other.name());

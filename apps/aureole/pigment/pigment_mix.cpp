@@ -45,6 +45,7 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
 constexpr double kDoubtful = 1;
 
 int mix(const MixOptions& o) {
+  o.surface.note_unused();
   const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");

@@ -26,8 +26,9 @@ void SurfaceOptions::declare(CommandOptions& options, const std::string& whose) 
   options.add("--index", index, "index of refraction of the binder").between(1.0, 4.0).shows_default();
   options.add("--alpha", alpha, "roughness of the interface (GGX), with --geometry diffuse")
       .between(0.0, 1.0);
-  options.add("--k1", k1, "Saunderson's reflectance from outside, with --k2 instead of --geometry");
-  options.add("--k2", k2, "Saunderson's reflectance from inside");
+  options.add("--k1", k1, "Saunderson's reflectance from outside, with --k2 instead of --geometry")
+      .between(0.0, 0.9999);
+  options.add("--k2", k2, "Saunderson's reflectance from inside").between(0.0, 0.9999);
 }
 
 pigment::Surface SurfaceOptions::surface() const {
@@ -52,14 +53,13 @@ pigment::Surface SurfaceOptions::surface() const {
 
 void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file) {
   if (instrument.geometry.empty()) return;
-  const std::string stated =
-      instrument.geometry + (instrument.specular.empty() ? "" : ", specular " + instrument.specular);
   if (given()) {
     const bool differs = (!geometry.empty() && geometry != instrument.geometry) ||
                          (!instrument.specular.empty() && instrument.geometry != "45_0" &&
                           specular != instrument.specular && geometry != "none");
     if (differs)
-      tell("note: {}: states the geometry {}; the options, which differ, are taken\n", file, stated);
+      tell("note: {}: states the geometry {}; the options, which differ, are taken\n", file,
+           stated(instrument));
     return;
   }
   geometry = instrument.geometry;
@@ -67,11 +67,18 @@ void SurfaceOptions::take(const pigment::Instrument& instrument, const std::stri
   tell(
       "note: {}: was measured at the geometry {}{}: the interface of index {:g} is taken off; --geometry none takes "
       "none off\n",
-      file, stated,
+      file, stated(instrument),
       instrument.specular.empty() ? ", and does not say whether specular light is included" : "", index);
 }
 
+std::string SurfaceOptions::stated(const pigment::Instrument& instrument) {
+  return instrument.geometry + (instrument.specular.empty() ? "" : ", specular " + instrument.specular);
+}
+
 void SurfaceOptions::note_unused() const {
+  if (index != SurfaceOptions().index && (k1 >= 0 || !given() || geometry == "none"))
+    tell("note: --index: has no effect {}\n",
+         k1 >= 0 ? "with --k1 and --k2" : "without an interface (--geometry)");
   if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
   if (specular == "included" && (!given() || geometry == "none"))
     tell("note: --specular: has no effect without an interface (--geometry, or --k1 and --k2)\n");
@@ -95,12 +102,35 @@ void LightOptions::declare(CommandOptions& options, const std::string& what) {
       .add("--illuminant", illuminant,
            what + ": a name of the CIE, or a file of a measured lamp (wavelength, power)")
       .shows_default();
-  options.add("--observer", observer, "field of the CIE observer in degrees: 2 (1931) or 10 (1964)")
-      .one_of({"2", "10"})
-      .shows_default();
+  options
+      .add("--observer", observer, "field of the CIE observer in degrees: 2 (1931, the default) or 10 (1964)")
+      .one_of({"2", "10"});
 }
 
-std::string LightOptions::viewing() const { return viewed_at(illuminant, observer); }
+std::string LightOptions::viewing() const {
+  const std::string name = viewed_at(illuminant, field());
+  if (!observer.empty() && (viewing_of(name).field == pigment::Field::ten) != (observer == "10"))
+    throw Error("--illuminant " + illuminant + ": states another observer than --observer " + observer +
+                "; give one of them, as in --illuminant " + viewing_of(illuminant).illuminant +
+                " --observer " + observer);
+  return name;
+}
+
+std::string LightOptions::field() const {
+  if (!observer.empty()) return observer;
+  return viewing_of(illuminant).field == pigment::Field::ten ? "10" : "2";
+}
+
+std::vector<std::string> LightOptions::others(const std::vector<std::string>& names) const {
+  std::vector<std::string> all;
+  const Viewing own = viewing_of(viewing());
+  for (const std::string& name : names) {
+    const std::string other = viewed_at(name, field());
+    const Viewing of = viewing_of(other);
+    if (of.illuminant != own.illuminant || of.field != own.field) all.push_back(other);
+  }
+  return all;
+}
 
 void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
@@ -117,7 +147,6 @@ pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& s
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
     tell("note: {}: {} negative values of K and S count as zero\n", file, count);
-  surface.note_unused();
   if (surface.given()) palette.surface = surface.surface();
   return palette;
 }
@@ -138,9 +167,11 @@ double thickness_for(const pigment::Palette& palette, const std::string& text) {
   return value;
 }
 
+double shown(double value) { return value < 0 && value > -0.005 ? 0.0 : value; }
+
 std::string colour_text(const pigment::Observation& lamp, const std::vector<double>& reflectance) {
   const pigment::Lab lab = lamp.lab(reflectance);
-  return fmt::format("L* {:6.2f}  a* {:7.2f}  b* {:7.2f}  {}", lab.l, lab.a, lab.b,
+  return fmt::format("L* {:6.2f}  a* {:7.2f}  b* {:7.2f}  {}", lab.l, shown(lab.a), shown(lab.b),
                      screen_colour(lamp.xyz(reflectance), lamp.white()));
 }
 

@@ -27,18 +27,26 @@ struct SurfaceOptions {
   void take(const pigment::Instrument& instrument, const std::string& file);
   /// Notes options that have no effect beside the others.
   void note_unused() const;
+  /// A geometry that a file states, in words: "d8, specular included".
+  static std::string stated(const pigment::Instrument& instrument);
   /// The interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
   std::string text() const;
 };
 
 /// The illuminant and the observer of colours.
 struct LightOptions {
-  std::string illuminant = "D65", observer = "2";
+  std::string illuminant = "D65",
+              observer;  ///< observer "": 2 degrees, unless the illuminant's name states them
 
   /// `what` is the help of --illuminant.
   void declare(CommandOptions& options, const std::string& what);
-  /// The name for `observe`: "D65", or "D65/10" for the 10-degree observer.
+  /// The name for `observe`: "D65", or "D65/10" for the 10-degree observer. Throws Error if the name states another
+  /// observer than --observer.
   std::string viewing() const;
+  /// The observer's field in degrees: "2" or "10".
+  std::string field() const;
+  /// Other illuminants, under this observer unless they state one themselves, without `viewing()`.
+  std::vector<std::string> others(const std::vector<std::string>& names) const;
 };
 
 /// A layer of paint: a recipe, a thickness and a substrate.
@@ -51,7 +59,7 @@ struct LayerOfPaint {
 };
 
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
-/// if one is given.
+/// if one is given. What options of the interface have no effect is for the caller to note.
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
 
 /// Notes a substrate that was given (not 1) below an opaque layer.
@@ -60,6 +68,9 @@ void note_substrate(double substrate, const std::string& thickness);
 /// Parses "20um" to metres for a palette per metre, or a plain number in units of 1/S of the white for a
 /// relative one; empty: infinite.
 double thickness_for(const pigment::Palette& palette, const std::string& text);
+
+/// A value to print with two digits: zero instead of values that would be printed as -0.00.
+double shown(double value);
 
 /// Text such as "L* 53.24  a* 80.09  b* 67.20  #ff0000".
 std::string colour_text(const pigment::Observation& lamp, const std::vector<double>& reflectance);

@@ -1,29 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/pigment/observation.h"
 
-#include <algorithm>
-
 #include "aureole/pigment/domain.h"
+#include "aureole/pigment/wavelength_interpolation.h"
 
 namespace aureole::pigment {
-
-namespace {
-
-/// Wider gaps between wavelengths are bridged by straight lines.
-constexpr double kWidestStep = 20.5;
-
-/// Weights of values at four wavelengths in the cubic through them, at wavelength `l` (Lagrange).
-std::array<double, 4> lagrange(std::span<const double, 4> nm, double l) {
-  std::array<double, 4> weights{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    weights[i] = 1;
-    for (std::size_t j = 0; j < 4; ++j)
-      if (j != i) weights[i] *= (l - nm[j]) / (nm[i] - nm[j]);
-  }
-  return weights;
-}
-
-}  // namespace
 
 Observation::Observation(std::string name, std::span<const double> nm,
                          const std::function<double(double)>& lamp,
@@ -35,25 +16,11 @@ Observation::Observation(std::string name, std::span<const double> nm,
   double outside = 0;
   for (int wavelength = 360; wavelength <= 830; ++wavelength) {
     const double power = lamp(wavelength);
-    const auto above = std::upper_bound(nm.begin(), nm.end(), double(wavelength));
-    const std::size_t i = std::clamp<std::ptrdiff_t>(above - nm.begin(), 1, std::ptrdiff_t(nm.size()) - 1);
-    const double l = std::clamp(double(wavelength), nm.front(), nm.back());
-    // Two points on either side, or the four at an end.
-    const std::size_t first =
-        nm.size() < 4 ? 0
-                      : std::clamp<std::ptrdiff_t>(std::ptrdiff_t(i) - 2, 0, std::ptrdiff_t(nm.size()) - 4);
-    const bool is_cubic = nm.size() >= 4 && nm[first + 3] - nm[first] <= 3 * kWidestStep;
-    const std::array<double, 4> cubic =
-        is_cubic ? lagrange(nm.subspan(first).first<4>(), l) : std::array<double, 4>{};
-    const double t = (l - nm[i - 1]) / (nm[i] - nm[i - 1]);
+    const InterpolationWeights between = interpolation_weights(nm, wavelength);
     for (std::size_t c = 0; c < 3; ++c) {
       const double weight = power * observer[c](wavelength);
-      if (is_cubic) {
-        for (std::size_t j = 0; j < 4; ++j) weights_[first + j][c] += weight * cubic[j];
-      } else {
-        weights_[i - 1][c] += weight * (1 - t);
-        weights_[i][c] += weight * t;
-      }
+      for (std::size_t j = 0; j < between.count; ++j)
+        weights_[between.first + j][c] += weight * between.weight[j];
       white_[c] += weight;
       if (c == 1 && (wavelength < nm.front() || wavelength > nm.back())) outside += weight;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/pigment/palette_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <sstream>
 
@@ -106,6 +107,10 @@ Palette read_palette(std::istream& text) {
       if (found || !heading.ends_with(q.ending)) continue;
       found = true;
       columns.emplace_back(heading.substr(0, heading.size() - q.ending.size()), q.of);
+      if (std::count(columns.begin(), columns.end(), columns.back()) > 1)
+        throw TextError(
+            header.line, header.cells[c].column,
+            "the column \"" + heading + "\" comes twice: each paint of a palette has one of each");
       named(palette, columns.back().first);
     }
     if (!found)

@@ -169,7 +169,12 @@ struct Columns {
                             ", as in the line\n    " + kRightHeader);
       notes.push_back("the column \"" + cell.text + "\" is not used");
     }
-    if (!paints && (recipes == Recipes::required || !sample))
+    if (!paints && !sample && recipes == Recipes::optional)
+      throw TextError(
+          header.line, 0,
+          "there is no column \"sample\", the name of each measurement (or \"paints\", its recipe); a "
+          "line of headings that would be right:\n    sample,unit,400,410,420");
+    if (!paints && recipes == Recipes::required)
       throw TextError(
           header.line, 0,
           "there is no column \"paints\", the recipe of each sample; a line of headings that would be "
@@ -242,6 +247,8 @@ std::optional<double> sum_beside_100(const std::string& recipe) {
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 /// Values are interpolated between neighbours that are no further apart.
 constexpr double kWidestGap = 40;
+/// No paint reflects more, but for the error of the instrument; joint fits have the same limit.
+constexpr double kLargestReflectance = 1.05;
 
 bool is_missing(const std::string& text) {
   const std::string word = lower_case(text);
@@ -597,6 +604,64 @@ std::string sample_table_template() {
          "# black card,,,,R,,,percent,4.9,4.9,4.9\n"
          "# ochre over black,1,a,ochre,R,black card,24,percent,8.1,8.3,8.6\n"
          "# tint,2,a,ochre: 1 + white: 9,R,opaque,,percent,41.0,42.3,43.9\n";
+}
+
+std::vector<Panel> panels_of(const SampleTable& table) {
+  const auto is_repeat = [](const Sample& a, const Sample& b) {
+    return a.name == b.name && a.backing == b.backing && a.thickness == b.thickness &&
+           recipe_text(a.paints) == recipe_text(b.paints);
+  };
+  std::vector<Panel> all;
+  for (const Sample& s : table.samples) {
+    if (s.quantity != Sample::Quantity::reflectance) continue;
+    const auto same =
+        std::find_if(all.begin(), all.end(), [&](const Panel& p) { return is_repeat(*p.first, s); });
+    Panel& panel = same == all.end() ? all.emplace_back(Panel{s.name, s.values, 0, &s}) : *same;
+    if (panel.count > 0)
+      for (std::size_t i = 0; i < panel.values.size(); ++i)
+        panel.values[i] += (s.values[i] - panel.values[i]) / (panel.count + 1);
+    ++panel.count;
+  }
+  // Panels of one name are told apart by the backing, then by the thickness, then by the recipe.
+  for (int step = 0; step < 3; ++step) {
+    std::vector<bool> repeated(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+      repeated[i] = std::count_if(all.begin(), all.end(),
+                                  [&](const Panel& other) { return other.name == all[i].name; }) > 1;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Sample& s = *all[i].first;
+      if (!repeated[i]) continue;
+      if (step == 0) all[i].name += " over " + s.backing;
+      if (step == 1 && s.thickness > 0) all[i].name += ", " + number_text(1e6 * s.thickness) + " um";
+      if (step == 2) all[i].name += ", " + (s.paints.empty() ? "bare" : recipe_text(s.paints));
+    }
+  }
+  return all;
+}
+
+std::vector<Panel> panels_called(const std::vector<Panel>& panels, const std::string& name) {
+  const auto trimmed = [](const std::string& text) {
+    const auto first = text.find_first_not_of(' ');
+    return first == text.npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+  };
+  std::vector<Panel> found;
+  for (const Panel& p : panels)
+    if (trimmed(p.name) == trimmed(name) || trimmed(p.first->name) == trimmed(name)) found.push_back(p);
+  return found;
+}
+
+void check_not_above_white(const SampleTable& table) {
+  for (std::size_t s = 0; s < table.samples.size(); ++s)
+    for (std::size_t i = 0; i < table.samples[s].values.size(); ++i)
+      if (table.samples[s].quantity == Sample::Quantity::reflectance &&
+          table.samples[s].values[i] > kLargestReflectance)
+        throw SampleError(s, int(i),
+                          "sample \"" + table.samples[s].name + "\" at " + number_text(table.nm[i]) +
+                              " nm: a reflectance of " + number_text(table.samples[s].values[i]) +
+                              " is above 1.05" +
+                              (table.samples[s].values[i] > 1.5
+                                   ? "; if the values are per cent, a column \"unit\" with percent says so"
+                                   : "; is the unit right (fraction or percent), or is a digit wrong?"));
 }
 
 void check(const SampleTable& table) {

@@ -93,6 +93,23 @@ SampleTable read_samples(std::istream& text, Recipes recipes = Recipes::required
 /// An empty table with examples, for a spreadsheet.
 std::string sample_table_template();
 
+/// The mean of repeats: reflectances of one name, recipe, backing and thickness.
+struct Panel {
+  /// The sample's name, followed by backing, thickness or recipe where the name alone is not unique: "ochre over card".
+  std::string name;
+  std::vector<double> values;
+  int count = 0;                  ///< number of repeats
+  const Sample* first = nullptr;  ///< one of them, in the table
+};
+
+/// The reflectances of a table as panels, in the file's order.
+std::vector<Panel> panels_of(const SampleTable& table);
+/// The panels of a name, either as the file has it or as `Panel::name` says it.
+std::vector<Panel> panels_called(const std::vector<Panel>& panels, const std::string& name);
+
+/// Throws SampleError for a reflectance above 1.05, which no paint has: it may be in per cent.
+void check_not_above_white(const SampleTable& table);
+
 /// Throws SampleError for a table that cannot be fitted: no wavelengths or samples, numbers of values and
 /// wavelengths that differ, values that are not finite or negative, wavelengths that do not increase.
 void check(const SampleTable& table);

@@ -152,6 +152,31 @@ TEST(ColourFigures, DoubtOfTwoFluxes) {
   EXPECT_GT(two_flux_doubt(grey, nm, 0.1, 0, 1, lamp), 2);
 }
 
+/// A cubic comes back exactly from steps up to 20 nm; wider steps are bridged by straight lines, and ends are constant.
+TEST(ColourFigures, ReflectancesBetweenTheirWavelengths) {
+  const auto cubic = [](double l) {
+    return 0.4 + 0.2 * std::pow((l - 540) / 150, 3) - 0.1 * (l - 560) / 150;
+  };
+  const auto sampled = [&](double step) {
+    MeasuredReflectance m;
+    for (double l = 400; l <= 700; l += step) m.nm.push_back(l), m.values.push_back(cubic(l));
+    return m;
+  };
+  const std::vector<double> at{390, 400, 403, 517, 560, 699, 720};
+  const std::vector<double> fine = sampled(20).at(at), wide = sampled(50).at(at);
+  EXPECT_DOUBLE_EQ(fine.front(), cubic(400));
+  EXPECT_DOUBLE_EQ(fine.back(), cubic(700));
+  for (std::size_t i = 1; i + 1 < at.size(); ++i) EXPECT_NEAR(fine[i], cubic(at[i]), 1e-12) << at[i];
+  EXPECT_NEAR(wide[3], cubic(500) + 17. / 50 * (cubic(550) - cubic(500)), 1e-12);
+}
+
+TEST(ColourFigures, NamesOfIlluminantsInAnyCase) {
+  EXPECT_EQ(viewing_of("d65/10").illuminant, "D65");
+  EXPECT_EQ(viewed_at("led-b3", "10"), "LED-B3/10");
+  const std::vector<double> nm{400, 700}, grey{0.9, 0.9};
+  EXPECT_TRUE(colour_figures(nm, grey, "d65").whiteness && colour_figures(nm, grey, "c").yellowness);
+}
+
 TEST(ColourFigures, LampsFromFiles) {
   const TemporaryFolder folder;
   const auto file = [&](const std::string& name, const std::string& text) {

@@ -28,11 +28,14 @@ ColourComparison compare_colours(const std::vector<double>& nm, const std::vecto
   c.cie94 = pigment::cie94(a, b, settings.cie94), c.ciede2000 = pigment::ciede2000(a, b);
   c.din99o = pigment::din99o(a, b);
   try {
-    c.strength = pigment::colour_strength(nm, standard, sample, lamp, settings.strength);
+    const std::vector<double>& reference =
+        settings.standard_for_strength.empty() ? standard : settings.standard_for_strength;
+    const pigment::Lab wanted = lamp.lab(reference);
+    c.strength = pigment::colour_strength(nm, reference, sample, lamp, settings.strength);
     if (!(c.strength->at_maximum > 0)) throw std::domain_error("the sample absorbs no more than the white");
     const pigment::Lab tone =
         lamp.lab(pigment::at_equal_strength(nm, sample, c.strength->at_maximum, settings.strength));
-    c.tone = pigment::lch_difference(a, tone), c.tone_ciede2000 = pigment::ciede2000(a, tone);
+    c.tone = pigment::lch_difference(wanted, tone), c.tone_ciede2000 = pigment::ciede2000(wanted, tone);
   } catch (const std::domain_error& e) {
     c.strength.reset(), c.no_strength = e.what();
   }

@@ -38,6 +38,8 @@ struct ColourSettings {
   double cmc_l = 2, cmc_c = 1;           ///< l and c of CMC(l:c)
   pigment::Cie94 cie94 = pigment::Cie94::graphic_arts;
   pigment::StrengthSettings strength = {};
+  /// The standard as the samples' instrument would measure it, for strength and tint tone; empty: as it is given.
+  std::vector<double> standard_for_strength = {};
 };
 
 /// Reflectances have one value for each wavelength. Errors are those of `observe`.

@@ -12,6 +12,9 @@
 #include "aureole/core/image.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/loading/values.h"
+#include "aureole/pigment/letter_case.h"
+#include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/wavelength_interpolation.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 
@@ -89,6 +92,14 @@ ColourTarget measured_target(const std::string& file, const std::string& name,
             "its wavelengths, {:g} to {:g} nm, and those of the palette, {:g} to {:g} nm, do not overlap",
             mean.nm.front(), mean.nm.back(), palette.nm.front(), palette.nm.back()));
   result.target.reflectance = mean.at(cut.nm);
+  result.file = file, result.instrument = mean.instrument, result.notes = mean.notes;
+  if (mean.nm != palette.nm)
+    result.notes.push_back(fmt::format(
+        "has other wavelengths than the palette; {} of the palette's {} wavelengths are used, and values between the {} "
+        "measured ones are interpolated",
+        cut.nm.size(), palette.nm.size(), mean.nm.size()));
+  if (std::string note = sampling_note(illuminant, mean.nm); !note.empty())
+    result.notes.push_back(std::move(note));
   result.target.lab = observe(illuminant, cut.nm).lab(result.target.reflectance);
   return result;
 }
@@ -119,19 +130,28 @@ Lamp lamp_called(const std::string& name) {
   return {read.nm, read.values};
 }
 
+/// The name of an illuminant as the tables have it, of a name in any case.
+std::string illuminant_called(const std::string& name) {
+  for (const std::string& known : illuminant_names())
+    if (pigment::lower_case(known) == pigment::lower_case(name)) return known;
+  return name;
+}
+
 }  // namespace
 
 Viewing viewing_of(const std::string& name) {
   for (const auto& [ending, field] :
        {std::pair{std::string("/2"), pigment::Field::two}, {std::string("/10"), pigment::Field::ten}})
     if (name.size() > ending.size() && name.ends_with(ending))
-      return {name.substr(0, name.size() - ending.size()), field};
-  return {name, pigment::Field::two};
+      return {illuminant_called(name.substr(0, name.size() - ending.size())), field};
+  return {illuminant_called(name), pigment::Field::two};
 }
 
 std::string viewed_at(const std::string& illuminant, const std::string& degrees) {
-  const bool states = viewing_of(illuminant).illuminant != illuminant;
-  return states || degrees == "2" ? illuminant : illuminant + "/" + degrees;
+  const std::string name = viewing_of(illuminant).illuminant;
+  const bool states = name.size() != illuminant.size();
+  if (states) return name + illuminant.substr(name.size());
+  return degrees == "2" ? name : name + "/" + degrees;
 }
 
 pigment::Observation observe(const std::string& illuminant, std::span<const double> nm) {
@@ -155,27 +175,33 @@ pigment::Observation observe(const std::string& illuminant, std::span<const doub
 }
 
 std::vector<double> MeasuredReflectance::at(std::span<const double> wavelengths) const {
-  std::vector<double> result;
-  for (const double l : wavelengths) result.push_back(TabulatedSpectrum{nm, values}.at(l));
-  return result;
+  return pigment::interpolated(nm, values, wavelengths);
 }
 
 MeasuredReflectance mean_reflectance(const std::string& file, const std::string& sample) {
   const pigment::SampleTable table = read_sample_file(file, pigment::Recipes::optional);
-  std::vector<double> mean(table.nm.size());
-  std::vector<std::string> known;
-  int count = 0;
-  for (const pigment::Sample& s : table.samples) {
-    if (std::find(known.begin(), known.end(), s.name) == known.end()) known.push_back(s.name);
-    if (s.name != sample || s.quantity != pigment::Sample::Quantity::reflectance) continue;
-    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += s.values[i];
-    ++count;
-  }
-  if (count == 0)
+  located_in(file, table, [&] { return pigment::check_not_above_white(table), 0; });
+  const std::vector<pigment::Panel> panels = pigment::panels_of(table),
+                                    found = pigment::panels_called(panels, sample);
+  const auto names = [](const std::vector<pigment::Panel>& of) {
+    std::vector<std::string> all;
+    for (const pigment::Panel& p : of) all.push_back(p.name);
+    return all;
+  };
+  if (found.empty()) {
+    const std::vector<std::string> known = names(panels);
     throw Error({file, 0, 0}, "no sample is called \"" + sample + "\"" + did_you_mean(sample, known) +
                                   fmt::format("; there are {}", fmt::join(known, ", ")));
-  for (double& v : mean) v /= count;
-  return {table.nm, mean, table.instrument};
+  }
+  if (found.size() > 1)
+    throw Error({file, 0, 0},
+                fmt::format("{} samples are called \"{}\"; name one of them, as in {}#{}: there are {}",
+                            found.size(), sample, file, found[0].name, fmt::join(names(found), ", ")));
+  MeasuredReflectance result{table.nm, found[0].values, table.instrument, table.notes};
+  if (found[0].count > 1)
+    result.notes.push_back(
+        fmt::format("{} measurements of \"{}\" are averaged", found[0].count, found[0].name));
+  return result;
 }
 
 MeasuredReflectance mean_reflectance_called(const std::string& text, const std::string& option) {
@@ -184,6 +210,33 @@ MeasuredReflectance mean_reflectance_called(const std::string& text, const std::
     throw Error(option + ": expected a file and a sample in it, FILE#SAMPLE, as in cards.csv#master, got \"" +
                 text + "\"");
   return mean_reflectance(text.substr(0, mark), text.substr(mark + 1));
+}
+
+SamplingError sampling_error(const std::string& illuminant, std::span<const double> nm) {
+  SamplingError result;
+  for (std::size_t i = 1; i < nm.size(); ++i)
+    if (nm[i] > 400 && nm[i - 1] < 700) result.widest_nm = std::max(result.widest_nm, nm[i] - nm[i - 1]);
+  const pigment::SampleTable paints = pigment::kimera_samples();
+  const pigment::Observation whole = observe(illuminant, paints.nm), few = observe(illuminant, nm);
+  int count = 0;
+  for (const pigment::Panel& p : pigment::panels_of(paints)) {
+    if (p.first->paints.size() != 1) continue;
+    const double difference =
+        pigment::ciede2000(whole.lab(p.values), few.lab(pigment::interpolated(paints.nm, p.values, nm)));
+    result.mean += difference, result.largest = std::max(result.largest, difference);
+    ++count;
+  }
+  result.mean /= std::max(count, 1);
+  return result;
+}
+
+std::string sampling_note(const std::string& illuminant, std::span<const double> nm) {
+  const SamplingError error = sampling_error(illuminant, nm);
+  if (error.widest_nm <= pigment::kWidestCubicStep) return {};
+  return fmt::format(
+      "wavelengths are up to {:g} nm apart; colours of 13 measured paints, taken at these wavelengths only, are off by "
+      "a CIEDE2000 of {:.1f} on average and {:.1f} at most",
+      error.widest_nm, error.mean, error.largest);
 }
 
 std::string screen_colour(const Xyz& xyz, const Xyz& white) {

@@ -16,7 +16,7 @@
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/text_table.h"
-#include "aureole/spectrum/tables.h"
+#include "aureole/pigment/wavelength_interpolation.h"
 
 namespace aureole {
 namespace {
@@ -242,11 +242,10 @@ pigment::SampleTable read_sample_files(const std::vector<std::string>& files) {
       if (common.size() < 2)
         throw Error({file, 0, 0}, "its wavelengths do not overlap those of " + files.front());
       all.notes.push_back(file + ": other wavelengths than " + files.front() + "; both are taken at " +
-                          std::to_string(common.size()) + " common ones");
+                          std::to_string(common.size()) +
+                          " common ones, between which values are interpolated");
       const auto taken = [&](const std::vector<double>& nm, pigment::Sample& s) {
-        std::vector<double> values;
-        for (const double l : common) values.push_back(TabulatedSpectrum{nm, s.values}.at(l));
-        s.values = std::move(values), s.columns.clear(), s.lines.clear();
+        s.values = pigment::interpolated(nm, s.values, common), s.columns.clear(), s.lines.clear();
       };
       for (pigment::Sample& s : all.samples) taken(all.nm, s);
       for (pigment::Sample& s : renamed) taken(one.nm, s);
