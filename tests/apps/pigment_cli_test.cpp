@@ -479,6 +479,8 @@ TEST_F(PigmentCli, NamesThatSeveralPanelsHave) {
   EXPECT_NE(said.find("2 measurements of \"ochre over wc\" are averaged"), std::string::npos) << said;
   ASSERT_EQ(run("match kimera 'films.csv#ochre over wc'"), 0) << said;
   EXPECT_NE(said.find("2 measurements of \"ochre over wc\" are averaged"), std::string::npos) << said;
+  ASSERT_EQ(run("colour films.csv#bc --standard 'films.csv#ochre over wc'"), 0) << said;
+  EXPECT_NE(said.find("2 measurements of \"ochre over wc\" are averaged"), std::string::npos) << said;
   // The darker card carries the brighter layer; of a grey neither hue nor sign is printed.
   write("swapped.csv", "sample,paints,backing,unit," + nm + "\nbc,,,percent" + grey("4") + "wc,,,percent" +
                            grey("82") + "ochre,ochre,bc,percent" + grey("50") + "ochre,ochre,wc,percent" +

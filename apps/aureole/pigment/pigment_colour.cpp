@@ -128,12 +128,15 @@ struct Reference {
 };
 
 /// Reads "FILE#SAMPLE". Its interface is that of its own file, or `samples` where this file states none. `given` are the
-/// options, and `samples` these with the geometry of the file of samples.
+/// options, and `samples` these with the geometry of the file of samples, of which all or one are looked at. Repeats are
+/// noted unless they are among these samples, and the file's notes unless they are known from there.
 Reference reference_called(const std::string& text, const std::string& option,
                            const std::string& samples_file, const SurfaceOptions& given,
-                           const SurfaceOptions& samples) {
+                           const SurfaceOptions& samples, bool samples_are_one) {
   Reference r{text, text.substr(0, std::min(text.rfind('#'), text.size())),
               mean_reflectance_called(text, option), samples};
+  if (!r.measured.repeats.empty() && (r.file != samples_file || samples_are_one))
+    tell("note: {}: {}\n", r.file, r.measured.repeats);
   if (r.file == samples_file) return r;
   for (const std::string& note : r.measured.notes) tell("note: {}: {}\n", r.file, note);
   if (!r.measured.instrument.geometry.empty()) {
@@ -191,9 +194,10 @@ int colour(ColourOptions o) {
 
   // All are taken at the samples' wavelengths that the standard and the white have as well.
   std::optional<Reference> of_standard, of_white;
-  if (!o.standard.empty()) of_standard = reference_called(o.standard, "--standard", file, given, o.surface);
+  if (!o.standard.empty())
+    of_standard = reference_called(o.standard, "--standard", file, given, o.surface, is_one);
   if (!o.white.empty() && of_standard)
-    of_white = reference_called(o.white, "--white", file, given, o.surface);
+    of_white = reference_called(o.white, "--white", file, given, o.surface, is_one);
   for (const auto* other : {&of_standard, &of_white})
     if (*other && !to &&
         !((*other)->measured.instrument.geometry == table.instrument.geometry &&
@@ -267,8 +271,17 @@ int colour(ColourOptions o) {
     samples = std::move(found);
   }
   if (samples.empty()) throw Error({file, 0, 0}, "there is no reflectance");
+  std::vector<std::string> repeats;
+  for (const pigment::Panel& m : samples)
+    if (m.count > 1) repeats.push_back(fmt::format("{} measurements of \"{}\"", m.count, m.name));
+  constexpr std::size_t kShown = 3;
+  if (!repeats.empty()) {
+    const std::size_t more = repeats.size() - std::min(repeats.size(), kShown);
+    repeats.resize(repeats.size() - more);
+    tell("note: {}: {}{} are averaged\n", file, fmt::join(repeats, ", "),
+         more > 0 ? fmt::format(" and those of {} more samples", more) : "");
+  }
   for (pigment::Panel& m : samples) {
-    if (m.count > 1) tell("note: {}: {} measurements of \"{}\" are averaged\n", file, m.count, m.name);
     m.values = seen(m.values, file, m.name, o.surface);
   }
 

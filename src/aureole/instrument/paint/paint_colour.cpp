@@ -93,6 +93,7 @@ ColourTarget measured_target(const std::string& file, const std::string& name,
             mean.nm.front(), mean.nm.back(), palette.nm.front(), palette.nm.back()));
   result.target.reflectance = mean.at(cut.nm);
   result.file = file, result.instrument = mean.instrument, result.notes = mean.notes;
+  if (!mean.repeats.empty()) result.notes.push_back(mean.repeats);
   if (mean.nm != palette.nm)
     result.notes.push_back(fmt::format(
         "has other wavelengths than the palette; {} of the palette's {} wavelengths are used, and values between the {} "
@@ -199,8 +200,7 @@ MeasuredReflectance mean_reflectance(const std::string& file, const std::string&
                             found.size(), sample, file, found[0].name, fmt::join(names(found), ", ")));
   MeasuredReflectance result{table.nm, found[0].values, table.instrument, table.notes};
   if (found[0].count > 1)
-    result.notes.push_back(
-        fmt::format("{} measurements of \"{}\" are averaged", found[0].count, found[0].name));
+    result.repeats = fmt::format("{} measurements of \"{}\" are averaged", found[0].count, found[0].name);
   return result;
 }
 

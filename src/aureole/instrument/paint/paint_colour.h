@@ -56,7 +56,8 @@ struct ColourTarget {
 struct MeasuredReflectance {
   std::vector<double> nm, values;
   pigment::Instrument instrument = {};  ///< as the file states it
-  std::vector<std::string> notes = {};  ///< what reading the file assumed, and repeats that are averaged
+  std::vector<std::string> notes = {};  ///< what reading the file assumed, for the user to confirm
+  std::string repeats = {};             ///< a note that several measurements are averaged, or nothing
   /// Interpolated at other wavelengths as `pigment::interpolated` does; constant beyond the measured ones.
   std::vector<double> at(std::span<const double> wavelengths) const;
 };
