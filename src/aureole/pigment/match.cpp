@@ -27,6 +27,8 @@ constexpr std::size_t kCoarse = 24;
 constexpr std::size_t kRefined = 20'000;
 /// A recipe whose squared difference is smaller cannot be improved by another paint.
 constexpr double kMatched = 1e-8;
+/// Sets whose contrast ratio at groups of wavelengths is too small by less than this are tried at all wavelengths.
+constexpr double kContrastSlack = 0.01;
 
 using Set = std::vector<std::size_t>;
 
@@ -138,7 +140,40 @@ struct Solved {
   Shares shares{};
   double value = 0;
   bool is_needed = true;  ///< whether each paint is needed, as far as the first search tells
+  double contrast = 0;    ///< the largest contrast ratio, if none of its recipes has the least one
 };
+
+/// Finds the best recipe of the mixer's set again, where a paint has less than can be dosed, with no less of it. The
+/// value is `kNoRecipe` if there is none. The paint is not needed if a recipe without it is as good.
+void make_dosable(const MatchProblem& problem, Mixer& mixer, Solved& one) {
+  const double smallest = problem.settings.smallest;
+  const auto solve = [&] {
+    one.shares = mixer.projected(one.shares);
+    one.value = one.set.size() <= 3 ? mixer.best(one.shares) : mixer.refine(one.shares);
+  };
+  for (std::size_t round = 0; round < one.set.size() && one.value < kNoRecipe; ++round) {
+    std::vector<std::pair<std::size_t, double>> small;  // with its upper bound
+    for (std::size_t p = 0; p < one.set.size(); ++p)
+      if (one.shares[p] > 0 && one.shares[p] < smallest && problem.settings.least[one.set[p]] == 0)
+        small.emplace_back(p, mixer.most(p));
+    if (small.empty()) break;
+    const Solved before = one;
+    double without = kNoRecipe;
+    bool is_whole = true;
+    for (const auto& [p, most] : small) is_whole = mixer.bound(p, 0, 0);
+    if (is_whole) solve(), without = one.value, one = before;
+    for (const auto& [p, most] : small) is_whole = mixer.bound(p, smallest, most);
+    if (is_whole)
+      solve();
+    else
+      one.value = kNoRecipe;
+    if (without < kNoRecipe && without <= one.value * (1 + 1e-9)) {
+      one = before, one.is_needed = false;
+      return;
+    }
+  }
+  if (!(one.value < kNoRecipe)) one.contrast = mixer.largest_contrast();
+}
 
 /// The best recipe of each set, of all sizes.
 class Search {
@@ -159,7 +194,10 @@ public:
           all.size() - begin,
           [&](std::size_t first, std::size_t last) {
             Mixer mixer(problem_);
-            for (std::size_t i = begin + first; i < begin + last; ++i) solve(all, i, mixer);
+            for (std::size_t i = begin + first; i < begin + last; ++i) {
+              solve(all, i, mixer);
+              make_dosable(problem_, mixer, all[i]);
+            }
           },
           8);
       before = begin;
@@ -184,7 +222,7 @@ private:
         Set subset = one.set;
         subset.erase(subset.begin() + std::ptrdiff_t(left_out));
         const auto found = subsets_.find(key_of(subset));
-        if (found == subsets_.end()) continue;
+        if (found == subsets_.end() || !(all[found->second].value < kNoRecipe)) continue;
         Start& start = starts.emplace_back();
         start.value = all[found->second].value, start.added = left_out;
         for (std::size_t p = 0, of = 0; p < one.set.size(); ++p)
@@ -192,7 +230,7 @@ private:
       }
     }
     if (starts.empty()) {
-      one.shares = mixer.best(), one.value = mixer.value(one.shares);
+      one.value = mixer.best(one.shares);
       return;
     }
     std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.value < b.value; });
@@ -206,7 +244,7 @@ private:
         Shares there = starts[s].shares;
         for (double& share : there) share *= 1 - amount;
         there[starts[s].added] += amount;
-        there = mixer.projected(there);
+        there = mixer.hiding(mixer.projected(there));
         const double value = mixer.value(there);
         if (value < reached) best = there, reached = value;
       }
@@ -214,7 +252,7 @@ private:
         if (s == 0) return;
         continue;
       }
-      const double value = mixer.descend(best);
+      const double value = mixer.refine(best);
       if (value < one.value) one.shares = best, one.value = value, one.is_needed = true;
     }
   }
@@ -367,16 +405,23 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
 
   std::vector<Solved> solved;
   {
-    const MatchProblem coarse = group == 1 ? problem : grouped(problem, group);
+    MatchProblem coarse = group == 1 ? problem : grouped(problem, group);
+    if (group > 1) coarse.contrast_slack = kContrastSlack;
     solved = Search(coarse, is_exhaustive, parallel_for).run(levels);
   }
-  // Leaves out a set with a paint that is not needed: a smaller set has this recipe.
-  std::erase_if(solved, [&](const Solved& s) {
-    if (!s.is_needed) return true;
-    for (std::size_t p = 0; p < s.set.size(); ++p)
-      if (s.shares[p] < settings.smallest && problem.settings.least[s.set[p]] == 0) return true;
-    return false;
-  });
+  double largest_contrast = 0;
+  const auto leave_out = [&] {
+    for (const Solved& s : solved)
+      if (!(s.value < kNoRecipe)) largest_contrast = std::max(largest_contrast, s.contrast);
+    std::erase_if(solved, [&](const Solved& s) {
+      if (!s.is_needed || !(s.value < kNoRecipe)) return true;
+      // A smaller set has the recipe of a set with a paint that is not needed.
+      for (std::size_t p = 0; p < s.set.size(); ++p)
+        if (s.shares[p] < settings.smallest && problem.settings.least[s.set[p]] == 0) return true;
+      return false;
+    });
+  };
+  leave_out();
   if (group > 1) {
     const std::size_t kept = std::min(kRefined, solved.size());
     std::partial_sort(solved.begin(), solved.begin() + std::ptrdiff_t(kept), solved.end(),
@@ -388,11 +433,17 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
           Mixer mixer(problem);
           for (std::size_t i = first; i < last; ++i) {
             mixer.choose(solved[i].set);
-            solved[i].value = mixer.descend(solved[i].shares);
+            solved[i].value = mixer.refine(solved[i].shares);
+            make_dosable(problem, mixer, solved[i]);
           }
         },
         8);
+    leave_out();
   }
+
+  if (solved.empty() && settings.least_contrast > 0)
+    require(false, largest_contrast, "the contrast ratio of every recipe at this thickness",
+            "is below the least one");
 
   std::vector<Candidate> candidates(solved.size());
   parallel_for(
@@ -403,13 +454,6 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
           candidates[i] = {match_of(problem, solved[i], mixer), &solved[i]};
       },
       64);
-  if (settings.least_contrast > 0) {
-    double most = 0;
-    for (const Candidate& c : candidates) most = std::max(most, c.match.contrast);
-    require(most >= settings.least_contrast, most, "the contrast ratio of every recipe at this thickness",
-            "is below the least one");
-    std::erase_if(candidates, [&](const Candidate& c) { return c.match.contrast < settings.least_contrast; });
-  }
   if (settings.trade_offs) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Candidate& c : candidates) nearest = std::min(nearest, c.match.difference);

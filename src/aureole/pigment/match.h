@@ -38,7 +38,7 @@ struct MatchSettings {
   MatchBy by = MatchBy::colour;
   /// Pairs of pigments, by index, that must not occur together.
   std::vector<std::pair<std::size_t, std::size_t>> forbidden = {};
-  /// Smallest amount of a paint that can be dosed: recipes with less of one are left out.
+  /// Smallest amount of a paint that can be dosed. A paint wanted in less is tried at this amount.
   double smallest = 1e-4;
   /// Cost of each pigment per mass, in any unit; empty: not known.
   std::vector<double> price = {};
@@ -77,10 +77,11 @@ struct Match {
 /// Sets of up to three paints are all tried, by damped least squares from several starting points within the bounds,
 /// so that the result is never worse than the best single paint; larger sets also if there are at most 1200 sets.
 /// Otherwise a larger set is tried if adding a paint to the best recipe of its subsets brings the colour nearer.
-/// Amounts below `smallest` are dropped if the bounds allow it. Negative K and S of the palette count as zero. More
-/// than four paints can match one colour in many ways, of which one is found. Throws std::domain_error for
-/// bounds that no recipe satisfies, for more than two million sets, and for illuminants and targets whose wavelengths
-/// differ from the palette's.
+/// Amounts below `smallest` occur only where a paint's lower bound is positive and smaller. Negative K and S of the
+/// palette count as zero. More than four paints can match one colour in many ways, of which one is found. A least
+/// contrast ratio is a constraint, met by the method of multipliers (Nocedal & Wright, Numerical Optimization, 2006,
+/// algorithm 17.4). Throws std::domain_error for bounds that no recipe satisfies, for a contrast ratio that none has,
+/// for more than two million sets, and for illuminants and targets whose wavelengths differ from the palette's.
 std::vector<Match> match(const Palette& palette, const MatchTarget& target, const Observation& lamp,
                          std::span<const Observation> others = {}, const MatchSettings& settings = {},
                          const ParallelFor& parallel_for = serial_for);

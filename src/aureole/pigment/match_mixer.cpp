@@ -3,16 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace aureole::pigment {
 namespace {
 
 constexpr double kKept = 1e-4;  ///< a fraction above this is reduced step by step only
-/// A contrast ratio that is 0.01 too low counts as a colour difference of 10.
+/// First weight of a lack of contrast: 0.01 too little counts as a colour difference of 10.
 constexpr double kContrastWeight = 1000;
-/// Recipes aim at slightly more contrast than is asked for, since the penalty is met only nearly.
-constexpr double kContrastMargin = 5e-4;
+/// A contrast ratio is met to this number.
+constexpr double kContrastError = 1e-8;
 
 double squared(const std::vector<double>& v) {
   double sum = 0;
@@ -71,6 +72,20 @@ Mixer::Mixer(const MatchProblem& problem)
       k_(problem.palette.nm.size()),
       s_(problem.palette.nm.size()),
       reflectance_(problem.palette.nm.size()) {}
+
+void Mixer::choose(std::vector<std::size_t> paints) {
+  paints_ = std::move(paints);
+  for (std::size_t i = 0; i < size(); ++i)
+    low_[i] = problem_.settings.least[paints_[i]], high_[i] = problem_.settings.most[paints_[i]];
+  limit_ = problem_.settings.least_contrast, largest_contrast_ = 0, has_opaque_ = false;
+}
+
+bool Mixer::bound(std::size_t i, double least, double most) {
+  low_[i] = least, high_[i] = most, has_opaque_ = false, largest_contrast_ = 0;
+  double sum_low = 0, sum_high = 0;
+  for (std::size_t p = 0; p < size(); ++p) sum_low += low_[p], sum_high += high_[p];
+  return least <= most && sum_low <= 1 && sum_high >= 1;
+}
 
 void Mixer::mix(const Shares& shares) {
   std::fill(k_.begin(), k_.end(), 0.0);
@@ -137,10 +152,13 @@ const std::vector<double>& Mixer::residual(const Shares& shares) {
   const MatchSettings& settings = problem_.settings;
   const MatchTarget& target = problem_.target;
   residual_.clear();
+  if (aim_ == Aim::contrast) {
+    residual_.push_back(1 - contrast(shares));
+    return residual_;
+  }
   const std::vector<double>& r = reflectance(shares);
-  if (settings.least_contrast > 0)
-    residual_.push_back(kContrastWeight *
-                        std::max(settings.least_contrast + kContrastMargin - contrast_of_layers(), 0.0));
+  if (aim_ == Aim::hiding_colour)
+    residual_.push_back(weight_ * std::max(limit_ + shift_ - contrast_of_layers(), 0.0));
   if (settings.by == MatchBy::spectrum) {
     const double scale = 100 / std::sqrt(double(r.size()));
     for (std::size_t i = 0; i < r.size(); ++i) residual_.push_back(scale * (r[i] - target.reflectance[i]));
@@ -160,75 +178,142 @@ double Mixer::value(const Shares& shares) { return squared(residual(shares)); }
 
 Shares Mixer::projected(const Shares& shares) const {
   const std::size_t n = size();
-  const auto moved = [&](double by) {
-    Shares result{};
-    for (std::size_t i = 0; i < n; ++i) result[i] = std::clamp(shares[i] + by, least(i), most(i));
-    return result;
-  };
-  double sum = 0;
-  bool inside = true;
-  for (std::size_t i = 0; i < n; ++i)
-    sum += shares[i], inside = inside && shares[i] >= least(i) && shares[i] <= most(i);
-  if (inside && std::abs(sum - 1) < 1e-13) return shares;
-  double low = -2, high = 2;
-  for (int step = 0; step < 60; ++step) {
-    const double middle = 0.5 * (low + high);
-    const Shares s = moved(middle);
-    (std::accumulate(s.begin(), s.begin() + std::ptrdiff_t(n), 0.0) < 1 ? low : high) = middle;
+  Shares part{}, result{};
+  for (std::size_t i = 0; i < n; ++i) part[i] = std::max(shares[i] - low_[i], 1e-15);
+  std::array<bool, kMaxPaints> full{};
+  for (std::size_t round = 0; round <= n; ++round) {
+    double left = 1, parts = 0;
+    for (std::size_t i = 0; i < n; ++i) left -= full[i] ? high_[i] : low_[i], parts += full[i] ? 0 : part[i];
+    bool again = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (full[i]) continue;
+      result[i] = low_[i] + std::max(left, 0.0) * part[i] / parts;
+      if (result[i] >= high_[i]) result[i] = high_[i], full[i] = again = true;
+    }
+    if (!again) break;
   }
-  return moved(high);
+  return result;
 }
 
-/// The largest fraction is the remainder of the others. A fraction at its bound that would cross it is fixed.
-double Mixer::descend(Shares& shares) {
+/// Fractions that would cross their bounds are set to these, and the equations are solved again for the other ones.
+Shares Mixer::stepped(const Shares& shares, const Shares& slope, const std::array<Shares, kMaxPaints>& normal,
+                      std::array<bool, kMaxPaints> free, std::size_t rest, double damping) const {
+  const std::size_t n = size();
+  Shares moves{};
+  for (std::size_t round = 0; round < n; ++round) {
+    std::array<std::size_t, kMaxPaints> of{};
+    std::array<Shares, kMaxPaints> a{};
+    Shares b{};
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (free[i]) of[count++] = i;
+    if (count == 0) break;
+    for (std::size_t i = 0; i < count; ++i) {
+      b[i] = -slope[of[i]];
+      for (std::size_t j = 0; j < n; ++j)
+        if (!free[j]) b[i] -= normal[of[i]][j] * moves[j];
+      for (std::size_t j = 0; j < count; ++j) a[i][j] = normal[of[i]][of[j]];
+      a[i][i] = a[i][i] * (1 + damping) + 1e-30;
+    }
+    solve(a, b, count);
+    bool again = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t p = of[i];
+      // A step may reduce a fraction by at most nine tenths, because colour depends on fractions of strong paints
+      // logarithmically.
+      const double share = shares[p], floor = std::max(low_[p], share > kKept ? 0.1 * share : 0);
+      moves[p] = b[i];
+      if (share + b[i] < floor)
+        moves[p] = floor - share, again = true, free[p] = false;
+      else if (share + b[i] > high_[p])
+        moves[p] = high_[p] - share, again = true, free[p] = false;
+    }
+    if (!again) break;
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    if (i != rest) sum += moves[i];
+  // The whole step is shortened if the remainder would cross its bound.
+  double scale = 1;
+  const double floor = std::max(low_[rest], shares[rest] > kKept ? 0.1 * shares[rest] : 0);
+  if (shares[rest] - sum < floor)
+    scale = (shares[rest] - floor) / sum;
+  else if (shares[rest] - sum > high_[rest])
+    scale = (shares[rest] - high_[rest]) / sum;
+  Shares next = shares;
+  double others = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    if (i != rest) {
+      next[i] = std::clamp(shares[i] + scale * moves[i], low_[i], high_[i]);
+      others += next[i];
+    }
+  next[rest] = std::clamp(1 - others, low_[rest], high_[rest]);
+  return next;
+}
+
+/// The largest fraction between its bounds is the remainder of the others. A fraction at its bound that would cross it
+/// is fixed. If all are at bounds, the remainder is the fraction that gains most by leaving its bound.
+double Mixer::descend(Shares& shares, int most_steps) {
   const std::size_t n = size();
   here_ = residual(shares);
   double value = squared(here_), damping = 1e-3;
   const std::size_t m = here_.size();
-  for (int step = 0; step < 60 && value > 1e-18; ++step) {
-    const std::size_t rest =
-        std::size_t(std::max_element(shares.begin(), shares.begin() + std::ptrdiff_t(n)) - shares.begin());
+  for (int step = 0; step < most_steps && value > 1e-18; ++step) {
+    std::size_t rest = n, largest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (shares[i] > shares[largest]) largest = i;
+      if (shares[i] > low_[i] && shares[i] < high_[i] && (rest == n || shares[i] > shares[rest])) rest = i;
+    }
+    const bool at_corner = rest == n;
+    if (at_corner) rest = largest;
     slopes_.assign(m * n, 0);
-    std::array<std::size_t, kMaxPaints> free{};
-    std::size_t count = 0;
+    Shares slope{};
     for (std::size_t i = 0; i < n; ++i) {
       if (i == rest) continue;
-      const double h = 1e-7 + 1e-5 * shares[i];
+      double h = 1e-7 + 1e-5 * shares[i];
+      if (shares[rest] < h) h = shares[i] > h ? -h : shares[rest];
+      if (h == 0) continue;
       Shares there = shares;
       there[i] += h, there[rest] -= h;
       const std::vector<double>& other = residual(there);
-      double gradient = 0;
       for (std::size_t c = 0; c < m; ++c) {
         slopes_[i * m + c] = (other[c] - here_[c]) / h;
-        gradient += slopes_[i * m + c] * here_[c];
+        slope[i] += slopes_[i * m + c] * here_[c];
       }
-      if ((gradient > 0 && shares[i] <= least(i)) || (gradient < 0 && shares[i] >= most(i))) continue;
-      free[count++] = i;
     }
-    if (count == 0) break;
+    if (at_corner) {
+      std::size_t up = n, down = n;
+      for (std::size_t i = 0; i < n; ++i) {
+        if (shares[i] < high_[i] && (up == n || slope[i] < slope[up])) up = i;
+        if (shares[i] > low_[i] && (down == n || slope[i] > slope[down])) down = i;
+      }
+      if (up == n || down == n || !(slope[up] < slope[down])) break;
+      if (down != rest) {
+        for (std::size_t i = 0; i < n; ++i) {
+          if (i == down) continue;
+          slope[i] -= slope[down];
+          for (std::size_t c = 0; c < m; ++c) slopes_[i * m + c] -= slopes_[down * m + c];
+        }
+        slope[down] = 0;
+        std::fill_n(slopes_.begin() + std::ptrdiff_t(down * m), m, 0.0);
+        rest = down;
+      }
+    }
+    std::array<bool, kMaxPaints> free{};
+    bool any = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == rest || (slope[i] >= 0 && shares[i] <= low_[i]) || (slope[i] <= 0 && shares[i] >= high_[i]))
+        continue;
+      free[i] = any = true;
+    }
+    if (!any) break;
+    std::array<Shares, kMaxPaints> normal{};
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        for (std::size_t c = 0; c < m; ++c) normal[i][j] += slopes_[i * m + c] * slopes_[j * m + c];
     bool better = false;
     for (int attempt = 0; attempt < 12 && !better; ++attempt) {
-      std::array<Shares, kMaxPaints> normal{};
-      Shares move{};
-      for (std::size_t i = 0; i < count; ++i) {
-        const double* of_i = slopes_.data() + free[i] * m;
-        for (std::size_t c = 0; c < m; ++c) move[i] -= of_i[c] * here_[c];
-        for (std::size_t j = 0; j < count; ++j) {
-          const double* of_j = slopes_.data() + free[j] * m;
-          for (std::size_t c = 0; c < m; ++c) normal[i][j] += of_i[c] * of_j[c];
-        }
-        normal[i][i] = normal[i][i] * (1 + damping) + 1e-30;
-      }
-      solve(normal, move, count);
-      Shares next = shares;
-      for (std::size_t i = 0; i < count; ++i) {
-        // A step may reduce a fraction by at most nine tenths, because colour depends on fractions of strong
-        // paints logarithmically.
-        const double share = shares[free[i]], to = std::max(share + move[i], share > kKept ? 0.1 * share : 0);
-        next[free[i]] = to;
-        next[rest] -= to - share;
-      }
-      next = projected(next);
+      const Shares next = stepped(shares, slope, normal, free, rest, damping);
       const std::vector<double>& there = residual(next);
       const double reached = squared(there);
       if (reached < value) {
@@ -244,30 +329,162 @@ double Mixer::descend(Shares& shares) {
   return value;
 }
 
-/// A coarse grid of ratios, and descents from its three best points.
-Shares Mixer::best() {
+Shares Mixer::hiding(const Shares& shares, double error) {
+  if (hides(shares) || !find_opaque()) return shares;
+  const auto between = [&](double t) {
+    Shares s{};
+    for (std::size_t i = 0; i < size(); ++i)
+      s[i] = std::clamp(shares[i] + t * (opaque_[i] - shares[i]), low_[i], high_[i]);
+    return s;
+  };
+  // First near the given shares, which often lack very little.
+  double low = 0, high = 1;
+  for (double t = 1e-6; t < 1 && error < 1e-3; t *= 30)
+    if (hides(between(t))) {
+      high = t;
+      break;
+    } else {
+      low = t;
+    }
+  for (int step = 0; step < 40 && high - low > error * high; ++step) {
+    const double middle = 0.5 * (low + high);
+    (hides(between(middle)) ? high : low) = middle;
+  }
+  return high < 1 ? between(high) : opaque_;
+}
+
+double Mixer::descend_hiding(Shares& shares) {
+  aim_ = Aim::hiding_colour, weight_ = kContrastWeight, shift_ = 0;
+  double last = kNoRecipe;
+  for (int round = 0; round < 15; ++round) {
+    descend(shares, 15);
+    const double lack = limit_ - contrast(shares);
+    if (lack < kContrastError && (shift_ == 0 || lack > -10 * kContrastError)) break;
+    shift_ = std::max(0.0, shift_ + lack);
+    if (std::abs(lack) > 0.25 * last) weight_ *= 2, shift_ *= 0.25;
+    last = std::abs(lack);
+  }
+  aim_ = Aim::colour;
+  shares = hiding(shares);
+  return value(shares);
+}
+
+std::vector<Shares> Mixer::grid() const {
   const std::size_t n = size();
   constexpr double kRatios[] = {0.02, 0.15, 1};
-  std::vector<std::pair<double, Shares>> starts;
-  const int grid = int(std::lround(std::pow(3, n)));
-  for (int code = 0; code < grid; ++code) {
+  std::vector<Shares> points;
+  const int codes = int(std::lround(std::pow(3, n)));
+  for (int code = 0; code < codes; ++code) {
     Shares shares{};
     double largest = 0, sum = 0;
     for (std::size_t i = 0, rest = std::size_t(code); i < n; ++i, rest /= 3)
       shares[i] = kRatios[rest % 3], largest = std::max(largest, shares[i]), sum += shares[i];
     if (largest < 1) continue;  // these ratios occur again with larger values
-    for (std::size_t i = 0; i < n; ++i) shares[i] /= sum;
-    shares = projected(shares);
-    starts.emplace_back(value(shares), shares);
+    for (std::size_t i = 0; i < n; ++i) shares[i] = low_[i] + shares[i] / sum;
+    points.push_back(projected(shares));
   }
-  const std::size_t kept = std::min<std::size_t>(3, starts.size());
-  std::partial_sort(starts.begin(), starts.begin() + std::ptrdiff_t(kept), starts.end(),
-                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  if (n == 1) return starts[0].second;
-  for (std::size_t i = 0; i < kept; ++i) starts[i].first = descend(starts[i].second);
-  return std::min_element(starts.begin(), starts.begin() + std::ptrdiff_t(kept),
-                          [](const auto& a, const auto& b) { return a.first < b.first; })
-      ->second;
+  return points;
+}
+
+/// The point of the grid and of the corners with the largest contrast ratio, and a descent from the two best if that
+/// one is below the limit.
+bool Mixer::find_opaque() {
+  if (has_opaque_) return largest_contrast_ >= limit_;
+  std::vector<std::pair<double, Shares>> points;
+  for (const Shares& s : grid()) points.emplace_back(-contrast(s), s);
+  for (std::size_t i = 0; i < size(); ++i) {
+    Shares s = low_;
+    s[i] += 1;
+    s = projected(s);
+    points.emplace_back(-contrast(s), s);
+  }
+  const auto less = [](const auto& a, const auto& b) { return a.first < b.first; };
+  const std::size_t kept = std::min<std::size_t>(2, points.size());
+  std::partial_sort(points.begin(), points.begin() + std::ptrdiff_t(kept), points.end(), less);
+  if (-points[0].first < limit_) {
+    aim_ = Aim::contrast;
+    for (std::size_t i = 0; i < kept; ++i)
+      descend(points[i].second), points[i].first = -contrast(points[i].second);
+    aim_ = Aim::colour;
+    if (points[kept - 1].first < points[0].first) std::swap(points[0], points[kept - 1]);
+  }
+  opaque_ = points[0].second, largest_contrast_ = -points[0].first, has_opaque_ = true;
+  if (largest_contrast_ < limit_ && largest_contrast_ > limit_ - problem_.contrast_slack)
+    limit_ = largest_contrast_ - 1e-6;
+  return largest_contrast_ >= limit_;
+}
+
+/// Descents from the three best points of a coarse grid. If the best recipe hides too little, further descents at the
+/// least contrast ratio begin from the recipe that hides best, and where the lines to it from the best recipe and from
+/// the points of the grid reach the least contrast ratio.
+double Mixer::best_of_grid(Shares& shares) {
+  const std::size_t n = size();
+  std::vector<std::pair<double, Shares>> starts;
+  const std::vector<Shares> points = grid();
+  const auto less = [](const auto& a, const auto& b) { return a.first < b.first; };
+  const auto keep = [&](std::size_t count) {
+    const std::size_t kept = std::min(count, starts.size());
+    std::partial_sort(starts.begin(), starts.begin() + std::ptrdiff_t(kept), starts.end(), less);
+    starts.resize(kept);
+  };
+  for (const Shares& s : points) starts.emplace_back(value(s), s);
+  keep(3);
+  if (n > 1)
+    for (auto& [reached, s] : starts) reached = descend(s);
+  const auto best = std::min_element(starts.begin(), starts.end(), less);
+  shares = best->second;
+  if (hides(shares)) return best->first;
+  if (!find_opaque()) return kNoRecipe;
+  if (hides(shares)) return best->first;
+  starts.clear();
+  for (const Shares& s : points) {
+    const Shares there = hiding(s, 0.1);
+    starts.emplace_back(value(there), there);
+  }
+  keep(2);
+  const Shares nearest = hiding(shares);
+  starts.emplace_back(0, nearest), starts.emplace_back(0, opaque_);
+  double reached = kNoRecipe;
+  for (auto& [_, s] : starts)
+    if (const double there = n > 1 ? descend_hiding(s) : value(s); there < reached)
+      reached = there, shares = s;
+  return reached;
+}
+
+double Mixer::best(Shares& shares) {
+  double reached = best_of_grid(shares);
+  if (size() == 1 || reached == kNoRecipe) return reached;
+  const Shares low = low_, high = high_, found = shares;
+  const double largest = largest_contrast_;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const bool at_low = low[i] > 0 && found[i] <= low[i] + 1e-9,
+               at_high = high[i] < 1 && found[i] >= high[i] - 1e-9;
+    if (low[i] == high[i] || (!at_low && !at_high)) continue;
+    low_ = low, high_ = high;
+    low_[i] = high_[i] = at_low ? low[i] : high[i];
+    double least = 0, most = 0;
+    for (std::size_t p = 0; p < size(); ++p) least += low_[p], most += high_[p];
+    if (least > 1 || most < 1) continue;
+    has_opaque_ = false;
+    Shares there{};
+    if (const double value = best_of_grid(there); value < reached) reached = value, shares = there;
+  }
+  low_ = low, high_ = high, largest_contrast_ = largest, has_opaque_ = false;
+  return reached;
+}
+
+double Mixer::refine(Shares& shares) {
+  Shares there = shares;
+  const double reached = descend(there);
+  if (hides(there)) {
+    shares = there;
+    return reached;
+  }
+  if (!find_opaque()) return kNoRecipe;
+  there = hiding(there), shares = hiding(shares);
+  const double one = descend_hiding(shares), other = descend_hiding(there);
+  if (other < one) shares = there;
+  return std::min(one, other);
 }
 
 }  // namespace aureole::pigment

@@ -302,6 +302,154 @@ TEST(PigmentMatch, ContrastAtAThickness) {
   EXPECT_THROW(match(bench.palette, target, bench.day, {}, settings), std::domain_error);
 }
 
+/// The smallest colour difference over a grid of all mixtures of two or three paints within bounds and with a contrast
+/// ratio at a thickness, and over two finer grids around the best point. No search is shared with `match`.
+struct GridSearch {
+  const Bench& bench;
+  std::vector<std::size_t> paints;
+  Lab target;
+  std::vector<double> least, most;  ///< of each of the paints
+  double thickness = kInfinity, contrast = 0;
+
+  double value(const std::vector<double>& shares) const {
+    std::vector<double> all(bench.palette.pigments.size());
+    for (std::size_t p = 0; p < paints.size(); ++p) {
+      if (shares[p] < least[p] - 1e-12 || shares[p] > most[p] + 1e-12) return kInfinity;
+      all[paints[p]] = shares[p];
+    }
+    const Paint paint = mix(bench.palette, all);
+    const auto over = [&](double below) {
+      const double substrate[] = {below};
+      return paint_reflectance(paint, thickness, substrate, bench.palette.surface);
+    };
+    if (std::isinf(thickness))
+      return ciede2000(target, bench.day.lab(paint_reflectance(paint, kInfinity, {}, bench.palette.surface)));
+    const std::vector<double> white = over(0.8);
+    if (bench.day.xyz(over(0))[1] < (contrast - 1e-9) * bench.day.xyz(white)[1]) return kInfinity;
+    return ciede2000(target, bench.day.lab(white));
+  }
+
+  double best(double step = 1.0 / 128) const {
+    double reached = kInfinity, a_best = 0.5, b_best = 0.5, width = 0.5;
+    for (int level = 0; level < 3; ++level) {
+      const double a0 = a_best, b0 = b_best;
+      for (double a = std::max(0.0, a0 - width); a <= std::min(1.0, a0 + width); a += step) {
+        if (paints.size() == 2) {
+          if (const double v = value({a, 1 - a}); v < reached) reached = v, a_best = a;
+          continue;
+        }
+        for (double b = std::max(0.0, b0 - width); b <= std::min(1 - a, b0 + width); b += step)
+          if (const double v = value({a, b, 1 - a - b}); v < reached) reached = v, a_best = a, b_best = b;
+      }
+      width = 2 * step, step /= 16;
+    }
+    return reached;
+  }
+};
+
+struct SearchCase {
+  std::vector<std::string> paints;
+  Lab target;
+  std::vector<double> least, most;
+  double thickness = kInfinity, contrast = 0;
+};
+
+/// No worse than the grid, by all sets of the paints, whose smaller ones the grid holds as its edges.
+void expect_as_good_as_grid(const SearchCase& c) {
+  const Bench bench;
+  GridSearch grid{bench, {}, c.target, c.least, c.most, c.thickness, c.contrast};
+  MatchSettings settings{
+      .solutions = 1, .thickness = c.thickness, .substrate = {0.8}, .least_contrast = c.contrast};
+  settings.least.assign(13, 0), settings.most.assign(13, 0);
+  for (std::size_t p = 0; p < c.paints.size(); ++p) {
+    const std::size_t at = *bench.palette.find(c.paints[p]);
+    grid.paints.push_back(at), settings.least[at] = c.least[p], settings.most[at] = c.most[p];
+  }
+  const double reference = grid.best(std::isinf(c.thickness) ? 1.0 / 128 : 1.0 / 64);
+  ASSERT_LT(reference, kInfinity);
+  const Match found = match(bench.palette, {c.target}, bench.day, {}, settings)[0];
+  std::printf("%s, %s%s%s: grid %.3f, found %.3f, contrast %.4f\n", c.paints[0].c_str(), c.paints[1].c_str(),
+              c.paints.size() > 2 ? ", " : "", c.paints.size() > 2 ? c.paints[2].c_str() : "", reference,
+              found.difference, found.contrast);
+  EXPECT_LE(found.difference, reference + 0.002);
+  EXPECT_GE(found.contrast, c.contrast);
+  std::vector<double> shares;
+  for (const std::size_t p : grid.paints) shares.push_back(found.fractions[p]);
+  EXPECT_LT(grid.value(shares), found.difference + 1e-9);  // within the bounds
+}
+
+TEST(PigmentMatch, BoundedRecipesAreAsGoodAsAGrid) {
+  expect_as_good_as_grid(
+      {{"white", "violet", "warm yellow"}, {44.622, 7.354, 5.689}, {0, 0, 0}, {0.51, 1, 1}});
+  expect_as_good_as_grid(
+      {{"white", "warm yellow", "cold yellow"}, {82.301, 12.143, 77.446}, {0.63, 0, 0}, {1, 1, 1}});
+  expect_as_good_as_grid(
+      {{"white", "blue red shade", "black"}, {53.24, -14.35, -37.55}, {0, 0, 0.02}, {0.6, 1, 1}});
+  expect_as_good_as_grid(
+      {{"white", "blue green shade", "red"}, {50, 10, -30}, {0.8, 0, 0.05}, {1, 0.1, 0.3}});
+  expect_as_good_as_grid({{"white", "black"}, {70, 0, 0}, {0, 0.2}, {1, 1}});
+}
+
+TEST(PigmentMatch, HidingRecipesAreAsGoodAsAGrid) {
+  const std::vector<double> none(3, 0), all(3, 1);
+  for (const double contrast : {0.95, 0.98}) {
+    expect_as_good_as_grid({{"white", "orange", "black"}, {81.34, 9.71, 11.96}, none, all, 3, contrast});
+    expect_as_good_as_grid(
+        {{"white", "warm yellow", "violet"}, {81.34, 9.71, 11.96}, none, all, 3, contrast});
+    expect_as_good_as_grid({{"white", "black"}, {60, 0, 0}, {0, 0}, {1, 1}, 2, contrast});
+    expect_as_good_as_grid({{"cold yellow", "black"}, {80, 0, 60}, {0, 0}, {1, 1}, 3, contrast});
+  }
+  // With a bound that is active, too.
+  expect_as_good_as_grid(
+      {{"white", "orange", "black"}, {81.34, 9.71, 11.96}, {0, 0.1, 0}, {1, 1, 0.1}, 3, 0.95});
+}
+
+/// A set is left out only if none of its mixtures has the least contrast ratio, and the message names the largest one.
+TEST(PigmentMatch, LargestContrast) {
+  const Bench bench;
+  MatchSettings settings{.solutions = 100, .thickness = 1, .substrate = {0.8}, .least_contrast = 0.5};
+  settings.most.assign(13, 0);
+  const std::size_t white = *bench.palette.find("white"), yellow = *bench.palette.find("cold yellow");
+  settings.most[white] = settings.most[yellow] = 1;
+  const double nowhere[] = {0.0}, card[] = {0.8};
+  double largest = 0;
+  for (int i = 0; i <= 2000; ++i) {
+    std::vector<double> shares(13);
+    shares[white] = i / 2000.0, shares[yellow] = 1 - i / 2000.0;
+    const Paint paint = mix(bench.palette, shares);
+    const auto luminous = [&](std::span<const double> below) {
+      return bench.day.xyz(paint_reflectance(paint, 1, below, bench.palette.surface))[1];
+    };
+    largest = std::max(largest, luminous(nowhere) / luminous(card));
+  }
+  const MatchTarget target{{60, 40, -40}};
+  settings.least_contrast = largest - 1e-5;
+  EXPECT_GE(match(bench.palette, target, bench.day, {}, settings)[0].contrast, largest - 1e-5);
+  settings.least_contrast = largest + 1e-3;
+  try {
+    match(bench.palette, target, bench.day, {}, settings);
+    ADD_FAILURE() << "no recipe hides so well";
+  } catch (const std::domain_error& e) {
+    const std::string text = e.what();
+    const auto got = text.rfind("got ");
+    ASSERT_NE(got, text.npos) << text;
+    EXPECT_NEAR(std::stod(text.substr(got + 4)), largest, 1e-5) << text;
+  }
+}
+
+/// Where a recipe has less of a paint than can be dosed, the smallest amount that can be is tried.
+TEST(PigmentMatch, SmallestAmountsThatHide) {
+  MatchSettings settings{
+      .solutions = 1, .thickness = 3, .substrate = {0.8}, .smallest = 0.05, .least_contrast = 0.9};
+  const Bench bench;
+  const std::size_t white = *bench.palette.find("white"), black = *bench.palette.find("black");
+  settings.most.assign(13, 0), settings.most[white] = settings.most[black] = 1;
+  const GridSearch grid{bench, {white, black}, {85, 0, 0}, {0, 0.05}, {1, 1}, 3, 0.9};
+  const Match found = match(bench.palette, {grid.target}, bench.day, {}, settings)[0];
+  EXPECT_LE(found.difference, grid.best() + 0.002);
+  EXPECT_GE(found.fractions[black], 0.05);
+}
+
 TEST(PigmentMatch, ThreadsDoNotChangeABit) {
   const Bench bench;
   const MatchTarget target = bench.target("orange: 7% + blue green shade: 3% + white: 90%");
