@@ -33,6 +33,8 @@ protected:
     return WEXITSTATUS(status);
   }
   void write(const std::string& name, const std::string& text) { std::ofstream(folder.path / name) << text; }
+  /// The recipes in a report of `match`, by value, so that they outlive the report.
+  nlohmann::json solutions(const std::string& name) { return json(name).at("solutions"); }
   nlohmann::json json(const std::string& name) {
     std::ifstream in(folder.path / name);
     return nlohmann::json::parse(in);
@@ -128,7 +130,7 @@ TEST_F(PigmentCli, RecipesWithCostOpacityAndLimits) {
   EXPECT_NE(said.find("note: prices.csv:7: the palette has no paint \"snow\""), std::string::npos) << said;
   const std::map<std::string, double> prices{
       {"white", 2}, {"red", 20}, {"red oxide", 3}, {"cold yellow", 12}, {"black", 2}};
-  for (const auto& m : json("m.json")["solutions"]) {
+  for (const auto& m : solutions("m.json")) {
     double cost = 0;
     for (const auto& [name, share] : m["recipe"].items()) cost += prices.at(name) * share.get<double>();
     EXPECT_NEAR(m["cost"], cost, 1e-9);
@@ -139,12 +141,12 @@ TEST_F(PigmentCli, RecipesWithCostOpacityAndLimits) {
             0)
       << said;
   EXPECT_NE(said.find("Trade-offs: "), std::string::npos);
-  for (const auto& m : json("m.json")["solutions"]) EXPECT_LE(m["difference"], 8.0);
+  for (const auto& m : solutions("m.json")) EXPECT_LE(m["difference"], 8.0);
   ASSERT_EQ(run("match kimera 'lab(60,25,20)'" + only + " --apart 'red, white' --json m.json"), 0) << said;
-  for (const auto& m : json("m.json")["solutions"])
+  for (const auto& m : solutions("m.json"))
     EXPECT_FALSE(m["recipe"].contains("red") && m["recipe"].contains("white"));
   ASSERT_EQ(run("match kimera 'lab(60,25,20)' --thickness 3 --opacity 0.95 --json m.json"), 0) << said;
-  for (const auto& m : json("m.json")["solutions"]) EXPECT_GE(m["contrast_ratio"], 0.95);
+  for (const auto& m : solutions("m.json")) EXPECT_GE(m["contrast_ratio"], 0.95);
 
   fails("match kimera teal --opacity 0.95", "a contrast ratio needs a layer with a thickness");
   fails("match kimera teal --thickness 0.001 --opacity 0.95", "the contrast ratio of every recipe");
