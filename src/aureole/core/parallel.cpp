@@ -3,6 +3,7 @@
 
 #ifndef AUREOLE_STD_THREADS
 #include <pthread.h>
+#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -48,8 +49,19 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
   });
 }
 
+namespace {
+
+/// Whether the address space of the process is limited. The heap of a second thread reserves a large part of it, which
+/// other libraries may need.
+bool has_limited_memory() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+}
+
+}  // namespace
+
 void run_together(const std::function<void()>& here, const std::function<void()>& elsewhere) {
-  if (is_forked) {
+  if (is_forked || has_limited_memory()) {
     here();
     return elsewhere();
   }
