@@ -103,7 +103,7 @@ TEST(GridFiles, VoxelsLieAndCountAsOtherProgramsRead) {
     }
     const auto& [i, j, k, c] = line.index;
     EXPECT_FLOAT_EQ(grid.value(i, j, k, c), line.value) << line.text;
-    const Transform::Matrix& m = grid.index_to_world(1e-3).matrix();
+    const Transform::Matrix m = grid.index_to_world(1e-3).matrix();
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_NEAR(m[a][0] * i + m[a][1] * j + m[a][2] * k + m[a][3], line.world_mm[a], 1e-6 * kHeadSizeMm)
           << line.text;
