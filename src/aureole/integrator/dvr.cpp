@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "aureole/integrator/aov_channels.h"
+#include "aureole/integrator/dvr/first_surface.h"
 #include "aureole/integrator/dvr/march.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/vertex.h"
@@ -91,20 +92,17 @@ public:
     if (measures_) settings.termination = 0;  // the optical thickness is that of the whole ray
     VolumeResult results[kBatch];
     Ray rays[kBatch];
-    float* measures[kBatch];
     float ends[kBatch];
-    if (settings.method == DvrSettings::Method::xray)
-      std::fill_n(ends, paths.size(), kInfinity);
-    else
-      find_surfaces(scene, paths, ends);
+    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
+    if (settings.method != DvrSettings::Method::xray)
+      find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       // Vertices of a walk are numbered from 0: the numbers of vertex -1 are used by none.
       VolumeMarch march(scene, media, settings, path, ends[i], d65_.eval(path.wavelengths),
                         key(path.samples, -1, Stream::volume_march));
       results[i] = march.follow();
-      // The nested integrator begins behind the media, where the ray comes from.
-      rays[i] = path.ray, measures[i] = path.aovs;
+      // The nested integrator begins behind the media, or where the ray comes from.
       const float shift = std::min(march.end(), ends[i]);
       path.ray.o = path.ray.o + path.ray.d * shift;
       path.ray.t_max -= shift;
@@ -113,7 +111,7 @@ public:
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       const VolumeResult& r = results[i];
-      path.ray = rays[i], path.aovs = measures[i];
+      path.ray = rays[i];
       path.result.estimate =
           path.result.estimate * r.transmittance + single_estimate(r.radiance, path.wavelengths);
       path.result.alpha = 1 - r.transmittance * (1 - path.result.alpha);
@@ -126,7 +124,7 @@ private:
     for (const ClassifiedMedium* medium : media)
       for (const float value : settings_.isovalues) {
         const float low = medium->field().minimum(), high = medium->field().maximum();
-        const float opacity = -std::expm1(-medium->function().at(value).extinction * medium->unit());
+        const float opacity = medium->layer_opacity(value);
         if (value >= low && value <= high && opacity > 0) continue;
         properties().note(
             "isovalues",
@@ -136,34 +134,6 @@ private:
       }
   }
   const Integrator& behind() const { return *nested_.front().integrator; }
-
-  /// Sets the distance along each ray up to which volumes are seen: just before the first surface that is not null.
-  static void find_surfaces(const Scene& scene, std::span<Path> paths, float ends[]) {
-    BatchRays rays;
-    constexpr int kMaxCrossings = 1000;
-    Ray next[kBatch];
-    int crossings[kBatch];
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-      next[i] = paths[i].ray, crossings[i] = 0, ends[i] = kInfinity;
-      rays.add(int(i), next[i]);
-    }
-    while (!rays.empty())
-      rays.intersect(scene.tracer(), RayTracer::Rays::coherent, [&](int i, const RayTracer::Hit& hit) {
-        if (!hit) return;
-        const SurfacePoint point = scene.surface_point(hit, next[i]);
-        const float distance = dot(point.p - paths[std::size_t(i)].ray.o, paths[std::size_t(i)].ray.d);
-        if (stops_rays(*point.surface)) {
-          // Off the surface, by the bound of its rounding error, towards the sensor.
-          const Vec3 before = offset_origin(point.p, point.p_error, point.ng, -next[i].d);
-          ends[i] = std::max(0.f, std::min(distance, dot(before - paths[std::size_t(i)].ray.o, next[i].d)));
-          return;
-        }
-        const float t_max = paths[std::size_t(i)].ray.t_max - distance;
-        next[i] = RayOrigin::of(point).spawn(next[i].d);
-        next[i].t_max = t_max;
-        if (t_max > 0 && ++crossings[i] < kMaxCrossings) rays.add(i, next[i]);
-      });
-  }
 
   DvrSettings settings_;
   std::vector<NestedIntegrator> nested_;

@@ -19,11 +19,7 @@ namespace {
 class KubelkaMunk final : public Medium {
 public:
   explicit KubelkaMunk(const Properties& p) : Medium(p) {
-    const auto phases = p.get_children<PhaseFunction>("phase");
-    if (phases.size() > 1)
-      throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
-                                 " phase functions; a medium has one (\"blendphase\" mixes two)");
-    phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+    phase_ = only_phase(p);
     if (!phase_->is_isotropic_medium())
       throw Error(phase_->properties().where(),
                   "K and S are those of a medium that scatters alike for all directions of the light");

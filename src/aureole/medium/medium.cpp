@@ -5,6 +5,14 @@
 
 namespace aureole {
 
+PhaseFunctionPtr only_phase(const Properties& p) {
+  const auto phases = p.get_children<PhaseFunction>("phase");
+  if (phases.size() > 1)
+    throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
+                               " phase functions; a medium has one (\"blendphase\" mixes two)");
+  return phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+}
+
 MediumPtr only_medium(const Properties& properties) {
   const auto media = properties.get_children<Medium>("medium");
   if (media.size() > 1)

@@ -44,6 +44,9 @@ public:
 };
 using MediumPtr = std::shared_ptr<const Medium>;
 
+/// Returns the phase function among a medium's children, or an isotropic one. Throws Error if there are several.
+PhaseFunctionPtr only_phase(const Properties& properties);
+
 /// Returns the medium among an object's children, or null. Throws a located Error if there are several.
 MediumPtr only_medium(const Properties& properties);
 

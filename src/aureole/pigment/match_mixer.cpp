@@ -461,11 +461,8 @@ double Mixer::best(Shares& shares) {
                at_high = high[i] < 1 && found[i] >= high[i] - 1e-9;
     if (low[i] == high[i] || (!at_low && !at_high)) continue;
     low_ = low, high_ = high;
-    low_[i] = high_[i] = at_low ? low[i] : high[i];
-    double least = 0, most = 0;
-    for (std::size_t p = 0; p < size(); ++p) least += low_[p], most += high_[p];
-    if (least > 1 || most < 1) continue;
-    has_opaque_ = false;
+    const double fixed = at_low ? low[i] : high[i];
+    if (!bound(i, fixed, fixed)) continue;
     Shares there{};
     if (const double value = best_of_grid(there); value < reached) reached = value, shares = there;
   }

@@ -8,20 +8,20 @@
 #include <cmath>
 #include <vector>
 
-#include "aureole/medium/classified/scalar_field.h"
+#include "aureole/medium/classified/classified_medium.h"
 
 namespace aureole {
 
 struct CellRoot {
-  float t;      ///< distance along the ray
-  float value;  ///< of the isosurface
-  std::ptrdiff_t part = 0;
+  float t;                                   ///< distance along the ray
+  float value;                               ///< of the isosurface
+  const ClassifiedMedium* medium = nullptr;  ///< which holds the field
 };
 
 /// Calls visit(root) for each root of f(s) = value, 0 <= s < 1, in ascending order; f is the cubic with these values at
-/// s = 0, 1/3, 2/3, 1. Stops where visit returns false, and returns false then.
+/// s = 0, 1/3, 2/3, 1.
 template <class Visit>
-bool visit_cubic_roots(const double f[4], double value, Visit&& visit) {
+void visit_cubic_roots(const double f[4], double value, Visit&& visit) {
   const double c0 = f[0] - value, c1 = 0.5 * (-11 * f[0] + 18 * f[1] - 9 * f[2] + 2 * f[3]),
                c2 = 4.5 * (2 * f[0] - 5 * f[1] + 4 * f[2] - f[3]),
                c3 = 4.5 * (-f[0] + 3 * f[1] - 3 * f[2] + f[3]);
@@ -53,9 +53,8 @@ bool visit_cubic_roots(const double f[4], double value, Visit&& visit) {
       if (!(middle > low && middle < high)) middle = 0.5 * (low + high);
       ((at(middle) < 0) == low_is_below ? low : high) = middle;
     }
-    if (!visit(0.5 * (low + high))) return false;
+    visit(0.5 * (low + high));
   }
-  return true;
 }
 
 /// Calls visit(root) for the points between the distances `begin` and `end` of a ray where a field has one of the values,
@@ -93,7 +92,6 @@ void find_isosurfaces(const ScalarField& field, const Ray& ray, float begin, flo
       if (double(value) >= low - margin && double(value) <= high + margin)
         visit_cubic_roots(f, double(value), [&](double s) {
           roots.push_back({float(t + s * (next - t)), value});
-          return true;
         });
     std::sort(roots.begin(), roots.end(), [](const CellRoot& a, const CellRoot& b) { return a.t < b.t; });
     for (const CellRoot& root : roots)

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/transport/batch.h"
-#include "aureole/transport/ray_origin.h"
+#include "aureole/integrator/dvr/first_surface.h"
 
 namespace aureole {
 
@@ -21,11 +20,16 @@ bool samples_all(const Scene& scene) {
          });
 }
 
-}  // namespace
-
-bool stops_rays(const Surface& surface) {
-  return surface.light || has(surface.lobes, Lobe::reflect | Lobe::transmit);
+/// Whether a surface that is not null lies between a point in space and another one at a distance along `d`, or infinitely
+/// far away. The surface of the light itself, at the end, does not count.
+bool is_occluded(const Scene& scene, const Vec3& p, const Vec3& d, float distance) {
+  const Ray ray{p, d, distance * (1 - 1e-4f)};
+  float found;
+  find_first_surfaces(scene, {&ray, 1}, RayTracer::Rays::incoherent, &found);
+  return found < kInfinity;
 }
+
+}  // namespace
 
 float VolumeLighting::transmittance(const Ray& ray, float length, float step) const {
   double thickness = 0;
@@ -49,33 +53,6 @@ float VolumeLighting::transmittance(const Ray& ray, float length, float step) co
   }
   return float(std::exp(-thickness));
 }
-
-namespace {
-
-/// Whether a surface that stops rays lies between a point in space and another one at a distance along `d`, or infinitely
-/// far away. The surface of the light itself, at the end, does not count.
-bool is_occluded(const Scene& scene, const Vec3& p, const Vec3& d, float distance) {
-  constexpr int kMaxCrossings = 1000;
-  const float end = distance * (1 - 1e-4f);
-  Ray ray{p, d, end};
-  for (int k = 0; k < kMaxCrossings; ++k) {
-    bool is_stopped = false, goes_on = false;
-    BatchRays rays;
-    rays.add(0, ray);
-    rays.intersect(scene.tracer(), RayTracer::Rays::incoherent, [&](int, const RayTracer::Hit& hit) {
-      if (!hit) return;
-      const SurfacePoint point = scene.surface_point(hit, ray);
-      is_stopped = stops_rays(*point.surface);
-      ray = RayOrigin::of(point).spawn(d);
-      ray.t_max = end - dot(ray.o - p, d);
-      goes_on = !is_stopped && ray.t_max > 0;
-    });
-    if (!goes_on) return is_stopped;
-  }
-  return false;
-}
-
-}  // namespace
 
 template <class Visit>
 void VolumeLighting::visit_lights(const Vec3& p, bool shadows, const Visit& visit) {

@@ -41,7 +41,4 @@ private:
   KeyedRandom& random_;
 };
 
-/// Whether rays end at a surface; null surfaces, which hold media, are passed.
-bool stops_rays(const Surface& surface);
-
 }  // namespace aureole

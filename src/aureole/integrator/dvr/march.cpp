@@ -12,8 +12,12 @@ namespace {
 
 using Method = DvrSettings::Method;
 
-/// Rays of more steps than this take longer ones.
-constexpr int kMaxSteps = 1 << 20;
+/// How many steps of `length` an interval has, of which the last may be shorter. Makes them longer if there were too many.
+int divide(float interval, float& length) {
+  constexpr int kMaxSteps = 1 << 20;
+  length = std::max(length, interval / float(kMaxSteps));
+  return std::max(1, int(std::ceil(interval / length - 1e-4f)));
+}
 
 /// The largest magnitude over all wavelengths.
 float magnitude(const Spectrum& s) {
@@ -108,7 +112,7 @@ void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
   const Vec3 p = at(a + offset * (b - a));
   Sample s;
   float value = 0;
-  if (settings_.preintegrated || settings_.method == Method::emission_absorption) {
+  if (settings_.preintegrated) {
     const float from = part.last_end == a ? part.last_value : medium.field().value(at(a));
     const float to = medium.field().value(at(b));
     part.last_end = b, part.last_value = to;
@@ -130,15 +134,8 @@ VolumeResult VolumeMarch::composite(float length) {
   const float offset = settings_.jitter ? random_.next() : 0.5f;
   const bool is_forward = settings_.order == DvrSettings::Order::front_to_back;
   const bool is_weighted = settings_.form == DvrSettings::Form::opacity_weighted;
-  const bool is_taylor =
-      settings_.alpha == DvrSettings::Alpha::taylor && settings_.method == Method::composite;
-  // The integral to a tolerance leaves out less than that.
-  const bool is_adaptive = settings_.method == Method::emission_absorption;
-  const float termination = settings_.method == Method::xray ? 0
-                            : is_adaptive ? std::min(settings_.termination, 0.1f * settings_.tolerance)
-                                          : settings_.termination;
-  length = std::max(length, (end_ - begin_) / float(kMaxSteps));
-  const int count = std::max(1, int(std::ceil((end_ - begin_) / length - 1e-4f)));
+  const bool is_taylor = settings_.alpha == DvrSettings::Alpha::taylor;
+  const int count = divide(end_ - begin_, length);
   struct Layer {
     Spectrum color;
     float opacity;
@@ -176,7 +173,7 @@ VolumeResult VolumeMarch::composite(float length) {
       continue;
     }
     result.radiance += color * before;
-    if (result.transmittance < termination) {
+    if (result.transmittance < settings_.termination) {
       result.transmittance = 0;
       break;
     }
@@ -211,8 +208,8 @@ VolumeResult VolumeMarch::project() {
   VolumeResult result;
   const Part& part = parts_.front();
   const ScalarField& field = part.medium->field();
-  const float length = std::max(settings_.step, (part.end - part.begin) / float(kMaxSteps));
-  const int count = std::max(1, int(std::ceil((part.end - part.begin) / length - 1e-4f)));
+  float length = settings_.step;
+  const int count = divide(part.end - part.begin, length);
   const float offset = settings_.jitter ? random_.next() : 0.5f;
   const bool is_mip = settings_.method == Method::mip;
   result.value = is_mip ? -kInfinity : 0;
@@ -236,33 +233,22 @@ VolumeResult VolumeMarch::project() {
 VolumeResult VolumeMarch::isosurfaces() {
   VolumeResult result;
   std::vector<CellRoot> roots;
-  for (const Part& part : parts_)
+  for (const Part& part : parts_) {
+    float passed = 1;
     find_isosurfaces(part.medium->field(), ray_, part.begin, part.end, settings_.isovalues,
                      [&](const CellRoot& root) {
-                       if (parts_.size() > 1) {
-                         roots.push_back({root.t, root.value, &part - parts_.data()});
-                         return true;
-                       }
-                       roots.push_back({root.t, root.value, 0});
-                       const Sample s = part.medium->function().at(root.value);
-                       const float opacity = -std::expm1(-s.extinction * part.medium->unit());
-                       result.transmittance *= 1 - opacity;  // only to know when to stop
-                       return result.transmittance > settings_.termination;
+                       roots.push_back({root.t, root.value, part.medium});
+                       passed *= 1 - part.medium->layer_opacity(root.value);
+                       return passed > settings_.termination;
                      });
-  result.transmittance = 1;
+  }
   std::stable_sort(roots.begin(), roots.end(),
                    [](const CellRoot& a, const CellRoot& b) { return a.t < b.t; });
   for (const CellRoot& root : roots) {
-    const ClassifiedMedium& medium = *parts_[std::size_t(root.part)].medium;
-    const Vec3 p = at(root.t);
-    const Sample s = medium.function().at(root.value);
-    const float thickness = s.extinction * medium.unit();
-    const Spectrum color = basis_.eval(s.color);
-    cover(result,
-          settings_.gradient_lighting ? lighting_.shaded(medium, p, color, medium.field().gradient(p))
-                                      : color * d65_ * medium.emission_scale(),
-          -std::expm1(-thickness));
-    result.optical_thickness += thickness;
+    const ClassifiedMedium& medium = *root.medium;
+    const Sample sample = medium.function().at(root.value);
+    cover(result, color_at(medium, at(root.t), sample), medium.layer_opacity(root.value));
+    result.optical_thickness += sample.extinction * medium.unit();
     if (result.depth == 0) result.depth = shift_ + root.t, result.value = root.value;
     if (result.transmittance < settings_.termination) {
       result.transmittance = 0;

@@ -43,11 +43,9 @@ DvrSettings DvrSettings::read(const Properties& p) {
   if (p.has("isovalues"))
     for (const double value : get_number_list(p, "isovalues")) s.isovalues.push_back(float(value));
   std::sort(s.isovalues.begin(), s.isovalues.end());
-  const bool is_isosurface = s.method == Method::isosurface;
-  if (is_isosurface && s.isovalues.empty())
+  if (s.method == Method::isosurface && s.isovalues.empty())
     throw p.error("isovalues",
                   "is missing: the numbers of the volume where its surfaces lie, such as \"0.2, 0.5\"");
-  if (!is_isosurface && !s.isovalues.empty()) throw p.error("isovalues", "is for the method \"isosurface\"");
   using enum Method;
   const auto only_for = [&](std::initializer_list<const char*> names, std::initializer_list<Method> methods,
                             const char* shown) {
@@ -65,6 +63,8 @@ DvrSettings DvrSettings::read(const Properties& p) {
            "those that take steps");
   only_for({"jitter"}, {composite, mip, average, xray}, "composite, mip, average and xray");
   only_for({"tolerance"}, {emission_absorption}, "emission_absorption");
+  only_for({"isovalues"}, {isosurface}, "isosurface");
+  only_for({"form", "alpha", "order"}, {composite}, "composite");
   only_for({"shadows", "ambient_occlusion", "occlusion_radius"}, {composite},
            "composite, with lighting \"gradient\"");
   for (const char* name : {"shadows", "ambient_occlusion", "highlight"})
@@ -73,9 +73,10 @@ DvrSettings DvrSettings::read(const Properties& p) {
   if (p.has("occlusion_radius") && s.occlusion_samples == 0)
     throw p.error("occlusion_radius", "has no effect without \"ambient_occlusion\", the number of rays");
   if (s.method == single_scattering) s.jitter = true;
-  const bool is_discrete = s.method == Method::composite;
-  for (const char* name : {"form", "alpha", "order"})
-    if (p.has(name) && !is_discrete) throw p.error(name, "is for the method \"composite\"");
+  if (s.method == xray) s.termination = 0;
+  // The integral to a tolerance leaves out less than that, and finds narrow functions.
+  if (s.method == emission_absorption)
+    s.termination = std::min(s.termination, 0.1f * s.tolerance), s.preintegrated = true;
   if (s.order == Order::back_to_front && p.has("termination") && s.termination > 0)
     throw p.error("termination", "ends rays early from front to back alone; give 0 with \"back_to_front\"");
   return s;

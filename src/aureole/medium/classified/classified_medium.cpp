@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "aureole/medium/content/extinction_limit.h"
+#include "aureole/medium/content/volume_majorants.h"
 #include "aureole/plugin/number_list.h"
 #include "aureole/spectrum/observer.h"
 
@@ -38,21 +39,11 @@ ScalarField read_field(const Properties& p) {
 /// Reads values and factors as a function whose extinction is the factor.
 std::optional<TransferFunction> read_gradient_factor(const Properties& p) {
   if (!p.has("gradient_opacity")) return {};
-  const std::vector<double> list = get_number_list(p, "gradient_opacity");
-  TransferFunction::Curve curve;
-  if (list.empty() || list.size() % 2 != 0)
-    throw p.error("gradient_opacity", "expected pairs of a gradient and a factor, such as \"0 0, 50 1\"");
-  for (std::size_t i = 0; i < list.size(); i += 2) {
-    if (i > 0 && list[i] < list[i - 2])
-      throw p.error("gradient_opacity",
-                    fmt::format("gradients must ascend, but {:g} follows {:g}", list[i], list[i - 2]));
-    if (!(list[i] >= 0 && list[i + 1] >= 0 && list[i + 1] <= 1))
-      throw p.error(
-          "gradient_opacity",
-          fmt::format("\"{:g} {:g}\": gradients must not be negative, and factors lie between 0 and 1",
-                      list[i], list[i + 1]));
-    curve.values.push_back(list[i]), curve.numbers.push_back({list[i + 1], 0, 0});
-  }
+  const TransferFunction::Curve curve =
+      TransferFunction::read_curve(p, "gradient_opacity", 1, 1, "0 0, 50 1");
+  if (curve.values.front() < 0)
+    throw p.error("gradient_opacity",
+                  fmt::format("the gradient {:g} is negative, but a length is not", curve.values.front()));
   return TransferFunction(curve, {{0}, {{0, 0, 0}}});
 }
 
@@ -103,18 +94,12 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
     if (!(length(n) > 0)) throw p.error("clip_planes", "the normal of a plane must not be zero");
     planes_.push_back({n * (1 / length(n)), float(plane[3]) / length(n)});
   }
-  const auto phases = p.get_children<PhaseFunction>("phase");
-  if (phases.size() > 1)
-    throw Error(p.where(), "\"" + p.type() + "\" has several phase functions; it has one");
-  phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+  phase_ = only_phase(p);
   if (phase_->largest_projected_area() != 1)
     throw p.error("phase",
                   "oriented particles are not supported: the transfer function gives the extinction");
 
-  constexpr int kVoxelsPerCell = 4, kMaxCells = 256;
-  std::array<int, 3> cells;
-  for (std::size_t k = 0; k < 3; ++k)
-    cells[k] = std::clamp((field_.size()[k] + kVoxelsPerCell - 1) / kVoxelsPerCell, 1, kMaxCells);
+  const std::array<int, 3> cells = majorant_cells(field_.size());
   const auto ranges = field_.ranges(cells);
   std::vector<float> bounds(ranges.size());
   for (std::size_t i = 0; i < ranges.size(); ++i)
@@ -184,7 +169,7 @@ std::vector<ParameterDoc> ClassifiedMedium::rows() {
   all.insert(all.end(), functions.begin(), functions.end());
   const std::vector<ParameterDoc> rest = {
       {"gradient_opacity", "string", "1/length", "none",
-       "a second axis of the transfer function: lengths of the gradient of the numbers and the factor of the opacity at each"},
+       "a second axis of the transfer function: lengths of the gradient of the numbers and the factor of the opacity, or of the given extinction, at each"},
       {"color_is", "string", "", "emission",
        "\"emission\": the medium emits its colour (times D65, as an <rgb> emitter) wherever it absorbs, so that a thick layer has "
        "that colour; \"albedo\": the colour is the single-scattering albedo"},

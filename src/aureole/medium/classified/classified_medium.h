@@ -3,6 +3,7 @@
 // step; the other integrators follow light in it as in any medium.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -50,6 +51,8 @@ public:
 
   /// Whether the colour is that of emitted light; else it is the single-scattering albedo.
   bool color_emits() const { return color_emits_; }
+  /// Opacity of a layer of the thickness `unit()` where the volume has the number `value`, without its gradient.
+  float layer_opacity(float value) const { return -std::expm1(-function_.at(value).extinction * unit_); }
   /// Length of the layer whose opacity the transfer function gives.
   float unit() const { return unit_; }
   float emission_scale() const { return emission_scale_; }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/core/image.h"
 #include "aureole/medium/classified/color_maps.h"
 #include "aureole/plugin/number_list.h"
 #include "aureole/plugin/properties.h"
@@ -23,8 +24,6 @@ constexpr double kMaxOpacity = 0.9999;
 /// A curve that is not linear between two points is divided into so many linear pieces.
 constexpr int kPieces = 32;
 
-double linear_of_srgb(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-
 /// The numbers of a curve at a value; at a jump those of larger values, or those of smaller ones with `from_below`.
 std::array<double, 3> at_value(const Curve& curve, double value, bool from_below) {
   const auto& v = curve.values;
@@ -40,19 +39,19 @@ std::array<double, 3> at_value(const Curve& curve, double value, bool from_below
   return out;
 }
 
-/// Returns the curve with more points between its own, each mapped by `map`.
-template <class Map>
-Curve refined(const Curve& curve, int pieces, const Map& map) {
+/// Returns colours that are linear between points of sRGB-encoded numbers as linear sRGB, with more points between.
+Curve decoded(const Curve& curve) {
   Curve out;
   for (std::size_t i = 0; i < curve.values.size(); ++i) {
     const bool goes_on = i + 1 < curve.values.size() && curve.values[i + 1] > curve.values[i];
-    for (int k = 0; k < (goes_on ? pieces : 1); ++k) {
-      const double t = double(k) / pieces;
-      std::array<double, 3> numbers = curve.numbers[i];
-      for (std::size_t c = 0; c < 3 && k > 0; ++c) numbers[c] += t * (curve.numbers[i + 1][c] - numbers[c]);
-      out.values.push_back(k > 0 ? curve.values[i] + t * (curve.values[i + 1] - curve.values[i])
-                                 : curve.values[i]);
-      out.numbers.push_back(map(numbers));
+    for (int k = 0; k < (goes_on ? kPieces : 1); ++k) {
+      const std::size_t next = k > 0 ? i + 1 : i;
+      const double t = double(k) / kPieces;
+      const auto between = [t](double a, double b) { return a + t * (b - a); };
+      out.values.push_back(between(curve.values[i], curve.values[next]));
+      std::array<double, 3>& numbers = out.numbers.emplace_back();
+      for (std::size_t c = 0; c < 3; ++c)
+        numbers[c] = double(srgb_decode(float(between(curve.numbers[i][c], curve.numbers[next][c]))));
     }
   }
   return out;
@@ -79,34 +78,6 @@ Curve extinction_of(const Curve& opacity, double unit) {
     }
   }
   return out;
-}
-
-/// Reads a list of a value and `count` numbers at each point. `least` and `most` limit the numbers.
-Curve read_curve(const Properties& p, const std::string& name, std::size_t count, double most,
-                 const char* example) {
-  const std::vector<double> list = get_number_list(p, name);
-  if (list.empty() || list.size() % (count + 1) != 0)
-    throw p.error(name,
-                  fmt::format("expected a value and {} at each point, such as \"{}\", but found {} numbers",
-                              count == 1 ? "one number" : "red, green and blue", example, list.size()));
-  Curve curve;
-  for (std::size_t i = 0; i < list.size(); i += count + 1) {
-    std::array<double, 3> numbers{};
-    for (std::size_t k = 0; k < count; ++k) {
-      numbers[k] = list[i + 1 + k];
-      if (!(numbers[k] >= 0 && numbers[k] <= most))
-        throw p.error(name, fmt::format("at the value {:g} stands {:g}; numbers from 0 to {:g} are possible",
-                                        list[i], numbers[k], most));
-    }
-    const auto n = curve.values.size();
-    if (n > 0 && list[i] < curve.values.back())
-      throw p.error(name,
-                    fmt::format("values must ascend, but {:g} follows {:g}", list[i], curve.values.back()));
-    if (n > 1 && list[i] == curve.values[n - 2])
-      throw p.error(name, fmt::format("the value {:g} stands three times; twice makes a jump", list[i]));
-    curve.values.push_back(list[i]), curve.numbers.push_back(numbers);
-  }
-  return curve;
 }
 
 /// The colours of a map, spread over the values from `low` to `high`.
@@ -147,6 +118,33 @@ ColorBasis::ColorBasis(const Spectrum& nm) {
   red_ = red.eval(in_range), green_ = green.eval(in_range), blue_ = blue.eval(in_range);
 }
 
+TransferFunction::Curve TransferFunction::read_curve(const Properties& p, const char* name, std::size_t count,
+                                                     double most, const char* example) {
+  const std::vector<double> list = get_number_list(p, name);
+  if (list.empty() || list.size() % (count + 1) != 0)
+    throw p.error(name,
+                  fmt::format("expected a value and {} at each point, such as \"{}\", but found {} numbers",
+                              count == 1 ? "one number" : "red, green and blue", example, list.size()));
+  Curve curve;
+  for (std::size_t i = 0; i < list.size(); i += count + 1) {
+    std::array<double, 3> numbers{};
+    for (std::size_t k = 0; k < count; ++k) {
+      numbers[k] = list[i + 1 + k];
+      if (!(numbers[k] >= 0 && numbers[k] <= most))
+        throw p.error(name, fmt::format("at the value {:g} stands {:g}; numbers from 0 to {:g} are possible",
+                                        list[i], numbers[k], most));
+    }
+    const auto n = curve.values.size();
+    if (n > 0 && list[i] < curve.values.back())
+      throw p.error(name,
+                    fmt::format("values must ascend, but {:g} follows {:g}", list[i], curve.values.back()));
+    if (n > 1 && list[i] == curve.values[n - 2])
+      throw p.error(name, fmt::format("the value {:g} stands three times; twice makes a jump", list[i]));
+    curve.values.push_back(list[i]), curve.numbers.push_back(numbers);
+  }
+  return curve;
+}
+
 TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) {
   std::vector<double> values = extinction.values;
   values.insert(values.end(), color.values.begin(), color.values.end());
@@ -181,50 +179,25 @@ TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) 
   }
   integrals_.resize(nodes_.size());
   for (std::size_t k = 1; k < nodes_.size(); ++k) {
-    const Node &a = nodes_[k - 1], &b = nodes_[k];
-    const double width = double(b.value) - double(a.value);
-    Integral& sum = integrals_[k] = integrals_[k - 1];
-    sum.extinction += width * 0.5 * (double(a.extinction) + double(b.extinction));
-    const float* from = &a.color.white;
-    const float* to = &b.color.white;
-    for (std::size_t c = 0; c < 4; ++c)  // the integral of the product of two linear functions
-      sum.color[c] += width / 6 *
-                      (double(a.extinction) * (2 * double(from[c]) + double(to[c])) +
-                       double(b.extinction) * (double(from[c]) + 2 * double(to[c])));
+    integrals_[k] = integrals_[k - 1];
+    integrals_[k].add(nodes_[k - 1], nodes_[k], double(nodes_[k].value) - double(nodes_[k - 1].value));
   }
 }
 
+void TransferFunction::Integral::add(const Sample& from, const Sample& to, double width) {
+  const double a = double(from.extinction), b = double(to.extinction);
+  extinction += width * 0.5 * (a + b);
+  const float* const c = &from.color.white;
+  const float* const d = &to.color.white;
+  for (std::size_t k = 0; k < 4; ++k)  // the integral of the product of two linear functions
+    color[k] += width / 6 * (a * (2 * double(c[k]) + double(d[k])) + b * (double(c[k]) + 2 * double(d[k])));
+}
+
 TransferFunction::Integral TransferFunction::integral_to(float value) const {
-  const Node& front = nodes_.front();
-  if (value <= front.value) {  // the function is constant there
-    Integral sum;
-    const double width = double(value) - double(front.value);
-    sum.extinction = width * double(front.extinction);
-    const float* c = &front.color.white;
-    for (std::size_t k = 0; k < 4; ++k) sum.color[k] = sum.extinction * double(c[k]);
-    return sum;
-  }
-  const Node& last = nodes_.back();
-  if (value >= last.value) {
-    Integral sum = integrals_.back();
-    const double further = (double(value) - double(last.value)) * double(last.extinction);
-    const float* c = &last.color.white;
-    sum.extinction += further;
-    for (std::size_t k = 0; k < 4; ++k) sum.color[k] += further * double(c[k]);
-    return sum;
-  }
-  const std::size_t i = interval(value);
-  const Node& a = nodes_[i];
-  const Sample b = at(value);
-  const double width = double(value) - double(a.value);
+  // Before the first node and behind the last one the function is constant.
+  const std::size_t i = value >= nodes_.back().value ? nodes_.size() - 1 : interval(value);
   Integral sum = integrals_[i];
-  sum.extinction += width * 0.5 * (double(a.extinction) + double(b.extinction));
-  const float* from = &a.color.white;
-  const float* to = &b.color.white;
-  for (std::size_t c = 0; c < 4; ++c)
-    sum.color[c] += width / 6 *
-                    (double(a.extinction) * (2 * double(from[c]) + double(to[c])) +
-                     double(b.extinction) * (double(from[c]) + 2 * double(to[c])));
+  sum.add(nodes_[i], at(value), double(value) - double(nodes_[i].value));
   return sum;
 }
 
@@ -256,11 +229,9 @@ float TransferFunction::max_extinction(float low, float high) const {
   return most;
 }
 
-TransferFunction TransferFunction::read(const Properties& p, const std::string& suffix) {
-  const auto name = [&](const char* stem) { return stem + suffix; };
+TransferFunction TransferFunction::read(const Properties& p) {
   const double unit = p.get_float("opacity_unit_length", 1, Range::positive());
-  const std::string preset_name = p.get_string(name("preset"), ""),
-                    map_name = p.get_string(name("color_map"), "");
+  const std::string preset_name = p.get_string("preset", ""), map_name = p.get_string("color_map", "");
   const std::string encoding = p.get_choice("color_encoding", "linear", {"linear", "srgb"});
   bool is_srgb = encoding == "srgb";
   Curve color{{0}, {{1, 1, 1}}};
@@ -268,46 +239,42 @@ TransferFunction TransferFunction::read(const Properties& p, const std::string& 
   if (!preset_name.empty()) {
     const TransferPreset* preset = find_transfer_preset(preset_name);
     if (!preset)
-      throw p.error(name("preset"), "unknown preset \"" + preset_name + "\"" +
-                                        did_you_mean_or_all(preset_name, transfer_preset_names()));
+      throw p.error("preset", "unknown preset \"" + preset_name + "\"" +
+                                  did_you_mean_or_all(preset_name, transfer_preset_names()));
     color = colors_of(preset->colors), opacity = pairs_of(preset->opacities), is_srgb = true;
   }
   if (!map_name.empty()) {
     const ColorMap* map = find_color_map(map_name);
     if (!map)
-      throw p.error(name("color_map"), "unknown colour map \"" + map_name + "\"" +
-                                           did_you_mean_or_all(map_name, color_map_names()));
+      throw p.error("color_map", "unknown colour map \"" + map_name + "\"" +
+                                     did_you_mean_or_all(map_name, color_map_names()));
     const std::vector<double> range =
-        p.has(name("range")) ? get_number_list(p, name("range")) : std::vector<double>{0, 1};
+        p.has("range") ? get_number_list(p, "range") : std::vector<double>{0, 1};
     if (range.size() != 2 || !(range[0] < range[1]))
-      throw p.error(name("range"), "expected two ascending numbers, such as \"-1000, 2000\"");
+      throw p.error("range", "expected two ascending numbers, such as \"-1000, 2000\"");
     color = spread(*map, range[0], range[1]), is_srgb = true;
-  } else if (p.has(name("range"))) {
-    get_number_list(p, name("range"));
-    throw p.error(name("range"), "is for a colour map, and \"color_map\" is missing");
+  } else if (p.has("range")) {
+    get_number_list(p, "range");
+    throw p.error("range", "is for a colour map, and \"color_map\" is missing");
   }
-  if (p.has(name("colors"))) {
-    if (!map_name.empty()) throw p.error(name("colors"), "give either \"colors\" or \"color_map\"");
-    color = read_curve(p, name("colors"), 3, 1, "0 0 0 0, 100 1 0.8 0.6"), is_srgb = encoding == "srgb";
+  if (p.has("colors")) {
+    if (!map_name.empty()) throw p.error("colors", "give either \"colors\" or \"color_map\"");
+    color = read_curve(p, "colors", 3, 1, "0 0 0 0, 100 1 0.8 0.6"), is_srgb = encoding == "srgb";
   }
-  if (is_srgb)
-    color = refined(color, kPieces, [](const std::array<double, 3>& c) {
-      return std::array<double, 3>{linear_of_srgb(c[0]), linear_of_srgb(c[1]), linear_of_srgb(c[2])};
-    });
-  if (p.has(name("extinction"))) {
-    if (p.has(name("opacity")))
-      throw p.error(name("extinction"), "give either \"opacity\" or \"extinction\"");
-    return {read_curve(p, name("extinction"), 1, 1e18, "0 0, 100 2.5"), color};
+  if (is_srgb) color = decoded(color);
+  if (p.has("extinction")) {
+    if (p.has("opacity")) throw p.error("extinction", "give either \"opacity\" or \"extinction\"");
+    return {read_curve(p, "extinction", 1, 1e18, "0 0, 100 2.5"), color};
   }
-  if (p.has(name("opacity"))) opacity = read_curve(p, name("opacity"), 1, 1, "0 0, 100 0.3");
+  if (p.has("opacity")) opacity = read_curve(p, "opacity", 1, 1, "0 0, 100 0.3");
   if (!opacity)
     throw p.error(
-        name("opacity"),
+        "opacity",
         "is missing: give \"opacity\" as values and opacities (\"0 0, 100 0.3\"), \"extinction\", or a \"preset\"");
   bool is_limited = false;
   for (const auto& numbers : opacity->numbers) is_limited |= numbers[0] > kMaxOpacity;
-  if (is_limited && p.has(name("opacity")))
-    p.note(name("opacity"),
+  if (is_limited && p.has("opacity"))
+    p.note("opacity",
            fmt::format("opacities above {:g} in a unit of length count as {:g}, because an opacity of 1 "
                        "needs an infinite extinction",
                        kMaxOpacity, kMaxOpacity));

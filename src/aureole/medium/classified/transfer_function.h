@@ -54,8 +54,12 @@ public:
   /// `extinction` [1/length] and `color` (linear sRGB) by value; they are extended by their first and last number.
   TransferFunction(const Curve& extinction, const Curve& color);
 
-  /// Reads the parameters of `rows`; `suffix` is added to their names. Throws located Errors.
-  static TransferFunction read(const Properties& properties, const std::string& suffix = "");
+  /// Reads the parameters of `rows`. Throws located Errors.
+  static TransferFunction read(const Properties& properties);
+  /// Reads a string of a value and `count` numbers at each point. Numbers below 0 or above `most` and values that do not
+  /// ascend are located Errors, which show `example`.
+  static Curve read_curve(const Properties& properties, const char* name, std::size_t count, double most,
+                          const char* example);
   static std::vector<ParameterDoc> rows();
 
   /// The function at a value; at a jump that of larger values.
@@ -91,6 +95,9 @@ private:
   struct Integral {
     double extinction = 0;
     std::array<double, 4> color{};  ///< of extinction times colour
+
+    /// Adds the integral over an interval along which extinction and colour are linear.
+    void add(const Sample& from, const Sample& to, double width);
   };
   Integral integral_to(float value) const;
 

@@ -51,11 +51,7 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
                                 hottest));
   }
   sampling_weight_ = float(p.get_float("sampling_weight", 1, Range::non_negative()));
-  const auto phases = p.get_children<PhaseFunction>("phase");
-  if (phases.size() > 1)
-    throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
-                               " phase functions; a medium has one (\"blendphase\" mixes two)");
-  phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+  phase_ = only_phase(p);
   if (extinction_ && !extinction_->is_constant() && scale_ > 0) {
     // Emission is collected at null collisions, so the majorant must be positive wherever there may be
     // emission, even if the extinction is zero there.

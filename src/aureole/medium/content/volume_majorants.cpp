@@ -5,20 +5,16 @@
 
 namespace aureole {
 
-namespace {
-
-/// Number of majorant cells along an axis with `samples` samples. A cell is four samples wide, since
-/// traversing smaller cells costs more than it saves (docs/performance.md).
-int cells_for(int samples) {
+std::array<int, 3> majorant_cells(const std::array<int, 3>& samples) {
   constexpr int kSamplesPerCell = 4, kMaxCells = 256;
-  return std::clamp((samples + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMaxCells);
+  std::array<int, 3> cells;
+  for (std::size_t i = 0; i < 3; ++i)
+    cells[i] = std::clamp((samples[i] + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMaxCells);
+  return cells;
 }
 
-}  // namespace
-
 MajorantGrid majorants_of(const Volume& volume, float least) {
-  std::array<int, 3> cells;
-  for (std::size_t i = 0; i < 3; ++i) cells[i] = cells_for(volume.resolution()[i]);
+  const std::array<int, 3> cells = majorant_cells(volume.resolution());
   std::vector<float> bounds(std::size_t(cells[0]) * std::size_t(cells[1]) * std::size_t(cells[2]));
   volume.bound(cells, bounds);
   for (float& b : bounds) b = std::max(b, least);

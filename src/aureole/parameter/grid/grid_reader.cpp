@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <type_traits>
 
 #include "aureole/core/memory.h"
 #include "aureole/core/units.h"
@@ -57,6 +58,30 @@ private:
 
 constexpr std::size_t kMostAtOnce = 1 << 30;  // both libraries count in 32 bits
 
+/// Decompresses `source` to at most `wanted` bytes. `decode(stream)` reads from and writes to the stream of zlib or bzip2
+/// and returns its status; `goes_on(status, is_stuck, read)` decides whether there is more.
+template <class Stream, class Decode, class GoesOn>
+SharedBytes decompressed(const SharedBytes& source, std::uint64_t wanted, Stream& stream,
+                         const Decode& decode, const GoesOn& goes_on) {
+  using Byte = std::remove_pointer_t<decltype(stream.next_out)>;
+  GrowingBytes out(wanted);
+  std::size_t read = 0;
+  for (std::span<std::byte> room; !(room = out.room()).empty();) {
+    const std::size_t given = std::min(source.size() - read, kMostAtOnce);
+    room = room.first(std::min(room.size(), kMostAtOnce));
+    stream.next_in = const_cast<Byte*>(reinterpret_cast<const Byte*>(source.bytes.data() + read));
+    stream.avail_in = unsigned(given);
+    stream.next_out = reinterpret_cast<Byte*>(room.data());
+    stream.avail_out = unsigned(room.size());
+    const int status = decode(stream);
+    const std::size_t used = given - stream.avail_in, made = room.size() - stream.avail_out;
+    read += used;
+    out.fill(made);
+    if (!goes_on(status, used == 0 && made == 0, read)) break;
+  }
+  return shared(out.take());
+}
+
 SharedBytes bunzip(const SharedBytes& source, std::uint64_t wanted) {
   require_content(double(wanted), double(source.size()), kContentPerByte);
   bz_stream stream{};
@@ -65,24 +90,13 @@ SharedBytes bunzip(const SharedBytes& source, std::uint64_t wanted) {
     bz_stream* stream;
     ~End() { BZ2_bzDecompressEnd(stream); }
   } end{&stream};
-  GrowingBytes out(wanted);
-  std::size_t read = 0;
-  for (std::span<std::byte> room; !(room = out.room()).empty();) {
-    const std::size_t given = std::min(source.size() - read, kMostAtOnce);
-    room = room.first(std::min(room.size(), kMostAtOnce));
-    stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(source.bytes.data() + read));
-    stream.avail_in = unsigned(given);
-    stream.next_out = reinterpret_cast<char*>(room.data());
-    stream.avail_out = unsigned(room.size());
-    const int status = BZ2_bzDecompress(&stream);
-    const std::size_t used = given - stream.avail_in, made = room.size() - stream.avail_out;
-    read += used;
-    out.fill(made);
-    if (status == BZ_STREAM_END) break;
-    if (status != BZ_OK) throw Error("holds damaged data compressed by bzip2");
-    if (used == 0 && made == 0) break;  // the source has ended
-  }
-  return shared(out.take());
+  return decompressed(
+      source, wanted, stream, [](bz_stream& s) { return BZ2_bzDecompress(&s); },
+      [](int status, bool is_stuck, std::size_t) {
+        if (status == BZ_STREAM_END) return false;
+        if (status != BZ_OK) throw Error("holds damaged data compressed by bzip2");
+        return !is_stuck;  // else the source has ended
+      });
 }
 
 template <class T>
@@ -225,28 +239,15 @@ SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted) {
     z_stream* stream;
     ~End() { inflateEnd(stream); }
   } end{&stream};
-  GrowingBytes out(wanted);
-  std::size_t read = 0;
-  for (std::span<std::byte> room; !(room = out.room()).empty();) {
-    const std::size_t given = std::min(source.size() - read, kMostAtOnce);
-    room = room.first(std::min(room.size(), kMostAtOnce));
-    stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(source.bytes.data() + read));
-    stream.avail_in = unsigned(given);
-    stream.next_out = reinterpret_cast<Bytef*>(room.data());
-    stream.avail_out = unsigned(room.size());
-    const int status = inflate(&stream, Z_NO_FLUSH);
-    const std::size_t used = given - stream.avail_in, made = room.size() - stream.avail_out;
-    read += used;
-    out.fill(made);
-    if (status == Z_STREAM_END) {
-      // A file of gzip may have several members.
-      if (read == source.size() || inflateReset(&stream) != Z_OK) break;
-      continue;
-    }
-    if (status == Z_BUF_ERROR && used == 0 && made == 0) break;  // the source has ended
-    if (status != Z_OK) throw Error("holds damaged data compressed by gzip or zlib");
-  }
-  return shared(out.take());
+  return decompressed(
+      source, wanted, stream, [](z_stream& s) { return inflate(&s, Z_NO_FLUSH); },
+      [&](int status, bool is_stuck, std::size_t read) {
+        // A file of gzip may have several members.
+        if (status == Z_STREAM_END) return read < source.size() && inflateReset(&stream) == Z_OK;
+        if (status == Z_BUF_ERROR && is_stuck) return false;  // the source has ended
+        if (status != Z_OK) throw Error("holds damaged data compressed by gzip or zlib");
+        return true;
+      });
 }
 
 std::vector<std::byte> base64_bytes(std::string_view text) {

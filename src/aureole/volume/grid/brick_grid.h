@@ -50,7 +50,7 @@ public:
       const std::size_t nx = std::size_t(bricks_[0]), ny = std::size_t(bricks_[1]);
       return std::array{int(b % nx), int(b / nx % ny), int(b / nx / ny)};
     };
-    // All cores look for bricks of one value, one numbers the bricks, and all write them.
+    // All cores find the bricks of one value, one core numbers the bricks, and all cores write them.
     std::vector<std::uint8_t> has_one_value(count);
     constexpr std::size_t kAtOnce = 64;
     for_ranges(
