@@ -833,17 +833,30 @@ class HeldOut:
 
 
 class JointFit(NamedTuple):
-    """A fit of all measurements of a table: the palette, errors of ln(K/S) (paints, wavelengths), specimens, specimens kept back."""
+    """A fit of all measurements of a table.
+
+    Attributes
+    ----------
+    palette : Palette
+    ratio_error : array
+        Standard deviations of ln(K/S) (paints, wavelengths).
+    specimens, held_out : list
+        Specimens of the fit, and those that were kept back and predicted.
+    g, g_error : array
+        Mean cosine of scattering in each paint and its standard error, in fits by streams with `g_error`; else empty.
+    """
 
     palette: Palette
     ratio_error: Reals
     specimens: List[Specimen]
     held_out: List[HeldOut]
+    g: Reals
+    g_error: Reals
 
 
-def joint_fit(file: Files, *, theory: str = "streams", surface: Surface = Surface(), index: float = 1.5,
-              g: float = 0.8, geometry: str = "d8", specular: str = "excluded", noise: float = 0.01,
-              thickness_error: float = 0.15, amount_error: float = 0.1,
+def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, None] = None, index: float = 1.5,
+              g: float = 0.8, g_error: float = 0, geometry: Union[str, None] = None, specular: Union[str, None] = None,
+              noise: float = 0.01, thickness_error: float = 0.15, amount_error: float = 0.1,
               hold_out: Union[str, int, Sequence[str], None] = None) -> JointFit:
     """K and S of all paints of a table from all measurements at once, as `aureole pigment fit --joint` (docs/pigments.md).
 
@@ -852,9 +865,13 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Surface = Surfac
     file : str or path, or a sequence of them
         As for `fit`; films over cards need no thickness.
     theory : str
-        "two-flux", seen through `surface`, or "streams", in a binder of `index` with mean cosine `g`, by an instrument of
-        `geometry` ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"). K and S of streams are
-        2 sigma_a and 3/4 sigma_s (1 - g).
+        "two-flux", or "streams" with the mean cosine `g`. Both in a binder of `index`, seen by an instrument of `geometry`
+        ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"); two fluxes also through any `surface`.
+        K and S of streams are 2 sigma_a and 3/4 sigma_s (1 - g). Where neither `geometry` nor `surface` is given, the geometry
+        that the file states (CxF, CGATS) is taken, with a warning; without one, two fluxes have no interface and streams are
+        those of d8, gloss excluded.
+    g_error : float
+        Relative error of 1 - g of each paint, which is then an unknown; with 0 `g` holds for all paints.
     noise : float
         Error of a reflectance R, beside 5 % of R.
     thickness_error, amount_error : float
@@ -863,15 +880,24 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Surface = Surfac
         Specimens to keep back together; a number of groups that are kept back in turn; or "each": every mixture.
     """
     choice("theory", theory, "two-flux", "streams")
-    choice("geometry", geometry, "diffuse", "d8", "45_0")
-    choice("specular", specular, "included", "excluded")
+    if surface is not None and theory == "streams":
+        raise Error('surface: is for the theory "two-flux"; "streams" takes index, geometry and specular')
+    if surface is not None and not (geometry is None and specular is None):
+        raise Error("surface: stands for an interface by itself; leave out geometry and specular")
+    if g_error and theory == "two-flux":
+        raise Error('g_error: is for the theory "streams"; two fluxes have no directions')
+    if geometry is not None:
+        choice("geometry", geometry, "diffuse", "d8", "45_0")
+    if specular is not None:
+        choice("specular", specular, "included", "excluded")
     words = [] if hold_out is None else [str(hold_out)] if isinstance(hold_out, (str, int)) else list(hold_out)
     files = _names(file)
     with contextlib.ExitStack() as stack:
         tables = [stack.enter_context(_table(name)) for name in files]
-        parts, ratios, specimens, held, notes = _aureole.pigment_joint_fit(
-            tables, (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
-            scalar("g", g, minimum=-0.95, maximum=0.95), geometry, specular, scalar("noise", noise, minimum=1e-5, maximum=0.2),
+        parts, ratios, cosines, specimens, held, notes = _aureole.pigment_joint_fit(
+            tables, None if surface is None else tuple(surface), theory == "streams", scalar("index", index, minimum=1, maximum=4),
+            scalar("g", g, minimum=-0.95, maximum=0.95), scalar("g_error", g_error, minimum=0, maximum=3), geometry or "", specular or "",
+            scalar("noise", noise, minimum=1e-5, maximum=0.2),
             scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),
             words)
     _note(", ".join(files), notes)
@@ -885,4 +911,5 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Surface = Surfac
         predictions.append(HeldOut(name, tuple(samples), seen, told, np.array(error), difference))
     return JointFit(palette, np.array(ratios),
                     [Specimen(one, rms, weight, thickness, spread, {paint: (factor, error) for paint, factor, error in amounts})
-                     for one, rms, weight, thickness, spread, amounts in specimens], predictions)
+                     for one, rms, weight, thickness, spread, amounts in specimens], predictions,
+                    np.array([one for one, _ in cosines]), np.array([error for _, error in cosines]))

@@ -21,6 +21,7 @@
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/optics/medium/spectral_table.h"
 #include "aureole/optics/medium/suspension_model.h"
+#include "aureole/pigment/domain.h"
 #include "aureole/pigment/grain_index.h"
 #include "aureole/pigment/grains.h"
 #include "aureole/pigment/hiding.h"
@@ -241,6 +242,17 @@ SurfaceNumbers saunderson(double k1, double k2, const std::string& specular) {
 
 using Names = std::vector<std::string>;
 
+pigment::Specular specular_called(const std::string& name) {
+  return name == "included" ? pigment::Specular::included : pigment::Specular::excluded;
+}
+
+/// Notes that the interface of the geometry that a file states is taken off.
+std::string interface_note(const pigment::Instrument& by, double index, const std::string& remedy) {
+  return "was measured at the geometry " + by.geometry +
+         (by.specular.empty() ? "" : ", specular " + by.specular) + ": the interface of index " +
+         pigment::number_text(index) + " is taken off; " + remedy;
+}
+
 /// The palette, and what reading the files assumed. Without a surface that of the geometry that they state, for an
 /// index of 1.5, or none.
 std::tuple<PaletteParts, Names> fit(const Names& files, const std::string& white,
@@ -252,12 +264,8 @@ std::tuple<PaletteParts, Names> fit(const Names& files, const std::string& white
   if (surface) {
     seen = surface_of(*surface);
   } else if (const pigment::Instrument& by = table.instrument; !by.geometry.empty()) {
-    seen = pigment::smooth_surface(
-        1.5, pigment::geometry_called(by.geometry),
-        by.specular == "included" ? pigment::Specular::included : pigment::Specular::excluded);
-    notes.push_back("was measured at the geometry " + by.geometry +
-                    (by.specular.empty() ? "" : ", specular " + by.specular) +
-                    ": the interface of index 1.5 is taken off; surface=Surface() takes none off");
+    seen = pigment::smooth_surface(1.5, pigment::geometry_called(by.geometry), specular_called(by.specular));
+    notes.push_back(interface_note(by, 1.5, "surface=Surface() takes none off"));
   }
   return {parts_of(fit_file(files.front(), table, {.surface = seen, .white = white}).palette), notes};
 }
@@ -268,22 +276,43 @@ using SpecimenParts = std::tuple<std::string, double, double, double, double,
 /// Name, names of the samples, measured and predicted values and their errors by sample, reason of no prediction.
 using HeldOutParts = std::tuple<std::string, Names, Table, Table, Table, std::string>;
 
-/// The palette, errors of ln(K/S), specimens, specimens kept back, and what reading the file assumed. `hold_out` has
-/// names of specimens, or "each", or a number of groups.
-std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutParts>, Names> joint_fit(
-    const Names& files, const SurfaceNumbers& surface, bool streams, double index, double g,
-    const std::string& geometry, const std::string& specular, double noise, double thickness, double amount,
-    const Names& hold_out) {
+/// The palette, errors of ln(K/S), mean cosines of the paints with their errors, specimens, specimens kept back, and
+/// notes on the data. `hold_out` has names of specimens, or "each", or a number of groups. Without a geometry that
+/// of the files is taken; an empty `geometry` or `specular` is none that was given.
+std::tuple<PaletteParts, Table, std::vector<std::pair<double, double>>, std::vector<SpecimenParts>,
+           std::vector<HeldOutParts>, Names>
+joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, bool streams, double index,
+          double g, double g_error, std::string geometry, std::string specular, double noise,
+          double thickness, double amount, const Names& hold_out) {
   const Unlocked release;
   const pigment::SampleTable table = read_sample_files(files);
   return located_in(files.front(), table, [&] {
     pigment::JointSettings settings;
-    settings.noise = noise, settings.thickness = thickness, settings.dose = amount;
-    const auto how = pigment::geometry_called(geometry);
-    const auto light = specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
+    settings.noise = noise, settings.thickness = thickness, settings.dose = amount, settings.g = g_error;
+    Names notes = table.notes;
+    const pigment::Instrument& by = table.instrument;
+    const bool states = !by.geometry.empty(), takes_geometry = states && geometry.empty() && !surface;
+    if (takes_geometry) {
+      geometry = by.geometry;
+      if (specular.empty()) specular = by.specular;
+      notes.push_back(interface_note(
+          by, index, streams ? "geometry and specular say otherwise" : "surface=Surface() takes none off"));
+    } else if (states && ((!geometry.empty() && geometry != by.geometry) ||
+                          (!specular.empty() && !by.specular.empty() && specular != by.specular))) {
+      notes.push_back("states the geometry " + by.geometry +
+                      (by.specular.empty() ? "" : ", specular " + by.specular) +
+                      "; the arguments, which differ, are taken");
+    }
+    const auto how = pigment::geometry_called(geometry.empty() ? "d8" : geometry);
+    const auto light = specular_called(specular);
+    const pigment::Surface interface = surface            ? surface_of(*surface)
+                                       : geometry.empty() ? pigment::Surface()
+                                                          : pigment::smooth_surface(index, how, light);
     const std::unique_ptr<pigment::FilmTheory> theory =
-        streams ? pigment::streams_theory({.index = index, .g = g, .geometry = how, .specular = light})
-                : pigment::two_flux_theory(surface_of(surface));
+        streams ? pigment::streams_theory(
+                      {.index = index, .g = g, .geometry = how, .specular = light, .varies_g = g_error > 0},
+                      for_ranges)
+                : pigment::two_flux_theory(interface);
     pigment::JointFit fit(table, *theory, settings);
     std::vector<HeldOutParts> held;
     if (!hold_out.empty())
@@ -305,10 +334,11 @@ std::tuple<PaletteParts, Table, std::vector<SpecimenParts>, std::vector<HeldOutP
       specimens.emplace_back(r.name, r.rms, r.weight, r.thickness, r.thickness_error, doses);
     }
     pigment::Palette palette = fit.palette();
-    palette.surface = streams ? pigment::smooth_surface(index, how, light) : surface_of(surface);
-    Names notes = table.notes;
+    palette.surface = streams ? pigment::smooth_surface(index, how, light) : interface;
+    std::vector<std::pair<double, double>> cosines;
+    for (const pigment::MeanCosine& c : fit.mean_cosines()) cosines.emplace_back(c.g, c.error);
     for (const std::string& note : pigment::joint_notes(fit)) notes.push_back(note);
-    return std::tuple(parts_of(palette), fit.ratio_error(), specimens, held, notes);
+    return std::tuple(parts_of(palette), fit.ratio_error(), cosines, specimens, held, notes);
   });
 }
 
@@ -462,8 +492,9 @@ void bind_pigment(nb::module_& m) {
       arg("contrast"), arg("start"), arg("target"));
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
   m.def("pigment_fit", &fit, arg("files"), arg("white"), arg("surface").none());
-  m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface"), arg("streams"), arg("index"), arg("g"),
-        arg("geometry"), arg("specular"), arg("noise"), arg("thickness"), arg("amount"), arg("hold_out"));
+  m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface").none(), arg("streams"), arg("index"),
+        arg("g"), arg("g_error"), arg("geometry"), arg("specular"), arg("noise"), arg("thickness"),
+        arg("amount"), arg("hold_out"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
   m.def(
       "pigment_palette", [](const std::string& file) { return parts_of(read_palette_file(file)); },

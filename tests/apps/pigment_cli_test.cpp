@@ -207,6 +207,8 @@ TEST_F(PigmentCli, ColourOfMeasuredSamples) {
   fails("colour films.csv --cmc 2", "--cmc: expected two positive numbers");
   fails("colour films.csv --illuminant D6", "unknown illuminant \"D6\"");
   fails("match kimera teal --observer 10", "under D65 for the 2-degree observer");
+  ASSERT_EQ(run("match kimera 'lab(50,20,10)' --others A,D65"), 0) << said;
+  EXPECT_NE(said.find("--others D65: is the illuminant of the colours itself"), std::string::npos) << said;
   ASSERT_EQ(run("match kimera 'lab(50,20,10)' --observer 10 --others A,D65/2"), 0) << said;
   ASSERT_EQ(run("mix kimera white --observer 10"), 0) << said;
   EXPECT_NE(said.find("illuminant D65/10"), std::string::npos) << said;
@@ -348,6 +350,13 @@ TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
   EXPECT_NE(said.find("states the geometry d8, specular included; the options, which differ, are taken"),
             std::string::npos)
       << said;
+  // Options of a part leave the rest to the file, and say so.
+  EXPECT_DOUBLE_EQ(s_of("sphere.cxf --geometry d8"), sphere);
+  EXPECT_NE(said.find("states that specular light is included"), std::string::npos) << said;
+  EXPECT_DOUBLE_EQ(s_of("sphere.cxf --specular excluded"),
+                   s_of("plain.cxf --geometry d8 --specular excluded"));
+  s_of("sphere.cxf --specular excluded");
+  EXPECT_NE(said.find("--specular excluded, which differs, is taken"), std::string::npos) << said;
   write("single.cxf",
         with("<cc:SingleAngle><cc:SingleAngleConfiguration>Annular</cc:SingleAngleConfiguration>"
              "<cc:IlluminationAngle>45</cc:IlluminationAngle>"
@@ -771,6 +780,12 @@ TEST_F(PigmentCli, WhatAJointFitNotes) {
         "t.csv:4: the paint \"Whit\" is in one mixture only and never alone; did you mean \"white\"?",
         "1 value that no paint has under this interface count", "line 4, sample \"c\" at 700 nm"})
     EXPECT_NE(said.find(part), std::string::npos) << part << "\n" << said;
+  EXPECT_EQ(said.find(" g "), std::string::npos) << said;
+  ASSERT_EQ(run("fit t.csv --joint --theory streams --g 0.7 --g-error 0.2 --json g.json"), 0) << said;
+  EXPECT_NEAR(json("g.json")["pigments"][0]["fit"]["g"].get<double>(), 0.7, 0.1);
+  EXPECT_LE(json("g.json")["pigments"][0]["fit"]["g_error"].get<double>(), 0.3 * 0.2 * 1.3);
+  ASSERT_EQ(run("fit t.csv --joint --theory two-flux --g-error 0.2"), 0) << said;
+  EXPECT_NE(said.find("--g-error: has no effect on two fluxes"), std::string::npos) << said;
   ASSERT_EQ(run("fit t.csv --joint --specular included --white blanc"), 0) << said;
   for (const char* part : {"interface: none", "two fluxes:", "(kept without --hold-out)",
                            "--specular: has no effect", "--white: no paint of t.csv is called \"blanc\""})

@@ -342,6 +342,29 @@ def test_joint_fit(tmp_path):
     assert found.ratio_error.shape == (2, nm.size)
     with pytest.raises(aureole.Error, match="no specimen is called"):
         pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", hold_out="x")
+    assert found.g.size == 0
+    streams = pigment.joint_fit(tmp_path / "films.csv", g=0.7, g_error=0.2)
+    assert streams.g.shape == streams.g_error.shape == (2,) and np.all(np.abs(streams.g - 0.7) < 0.15)
+    for wrong, said in ((dict(surface=seen), "surface: is for the theory"), (dict(theory="two-flux", g_error=0.1), "g_error: is for the theory"),
+                        (dict(theory="two-flux", surface=seen, geometry="d8"), "surface: stands for an interface by itself")):
+        with pytest.raises(aureole.Error, match=said):
+            pigment.joint_fit(tmp_path / "films.csv", **wrong)
+
+
+def test_a_joint_fit_takes_the_stated_geometry(tmp_path):
+    table = "SAMPLE_NAME PAINTS BACKING nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\n" \
+        'a white 0.1 .8 .7\nb white 0.8 .88 .85\nc "red: 1 + white: 9" 0.1 .5 .7\nd "red: 1 + white: 9" 0.8 .52 .8\nEND_DATA\n'
+    stated, plain = tmp_path / "stated.cgats", tmp_path / "plain.cgats"
+    stated.write_text('MEASUREMENT_GEOMETRY "45/0"\nBEGIN_DATA_FORMAT\n' + table)
+    plain.write_text("BEGIN_DATA_FORMAT\n" + table)
+    for theory in ("two-flux", "streams"):
+        with pytest.warns(UserWarning, match="was measured at the geometry 45_0"):
+            found = pigment.joint_fit(stated, theory=theory)
+        given = pigment.joint_fit(plain, theory=theory, geometry="45_0")
+        np.testing.assert_array_equal(found.palette.k, given.palette.k)
+        assert found.palette.surface == given.palette.surface
+        with pytest.warns(UserWarning, match="the arguments, which differ, are taken"):
+            pigment.joint_fit(stated, theory=theory, geometry="d8")
 
 
 def test_notes_are_warnings(tmp_path):

@@ -66,11 +66,12 @@ double coverage(const pigment::SampleTable& table, const std::vector<pigment::He
   return count ? double(inside) / count : 0;
 }
 
-pigment::StreamsSettings streams_settings(const SurfaceOptions& o) {
+pigment::StreamsSettings streams_settings(const SurfaceOptions& o, const JointOptions& joint) {
   pigment::StreamsSettings s;
+  s.g = joint.g, s.varies_g = joint.settings.g > 0;
   s.index = o.given() && o.geometry != "none" ? o.index : 1;
   s.geometry = pigment::geometry_called(o.geometry);
-  s.specular = o.specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
+  s.specular = o.light();
   return s;
 }
 
@@ -111,18 +112,21 @@ double median_ratio(const std::vector<double>& errors, const std::vector<double>
 void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
   const pigment::Palette& palette = fit.palette();
   const std::vector<double> volumes = fit.specific_volumes();
-  fmt::print("\n{:<24} {:>8} {:>10} {:>10} {:>10}  only K/S is known at (nm)\n", "paint", "volume",
-             "error of K", "error of S", "of K/S");
+  const std::vector<pigment::MeanCosine> cosines = fit.mean_cosines();
+  fmt::print("\n{:<24} {:>8} {:>10} {:>10} {:>10}{}  only K/S is known at (nm)\n", "paint", "volume",
+             "error of K", "error of S", "of K/S", cosines.empty() ? "" : fmt::format(" {:>12}", "g"));
   for (std::size_t p = 0; p < palette.pigments.size(); ++p) {
     const pigment::Pigment& one = palette.pigments[p];
     const std::vector<double>& ratio = fit.ratio_error()[p];
     std::vector<bool> hidden(palette.nm.size());
     for (std::size_t l = 0; l < palette.nm.size(); ++l)
       hidden[l] = one.s_error[l] > kKnown * one.s[l] && ratio[l] <= kKnown;
-    fmt::print("{:<24} {:>8.2f} {:>8.1f} % {:>8.1f} % {:>8.1f} %  {}\n", one.name, volumes[p],
+    fmt::print("{:<24} {:>8.2f} {:>8.1f} % {:>8.1f} % {:>8.1f} %{}  {}\n", one.name, volumes[p],
                median_ratio(one.k_error, one.k), median_ratio(one.s_error, one.s), 100 * median(ratio),
+               cosines.empty() ? "" : fmt::format(" {:>5.2f} +- {:.2f}", cosines[p].g, cosines[p].error),
                ranges(palette.nm, hidden));
     nlohmann::json& json = out["pigments"][p]["fit"];
+    if (!cosines.empty()) json["g"] = cosines[p].g, json["g_error"] = cosines[p].error;
     json["method"] = "joint", json["specific_volume"] = volumes[p], json["ln_k_over_s_error"] = ratio;
     json["only_k_over_s_known"] = hidden;
   }
@@ -286,6 +290,15 @@ void JointOptions::declare(CommandOptions& options) {
            "with --joint: relative error of a film's thickness that is not stated")
       .between(0.0, 3.0)
       .shows_default();
+  options.add("--g", g, "with streams: mean cosine of scattering in the paints")
+      .between(-0.95, 0.95)
+      .shows_default();
+  options
+      .add(
+          "--g-error", settings.g,
+          "with streams: relative error of 1 - g of each paint, which is then an unknown; 0: --g holds for all paints")
+      .between(0.0, 3.0)
+      .shows_default();
   options.add("--amount-error", settings.dose, "with --joint: relative error of the amounts in mixtures")
       .between(0.0, 3.0)
       .shows_default();
@@ -322,7 +335,7 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
                     [](const pigment::Sample& s) { return !s.paints.empty() && s.backing == "none"; });
     if (options.theory != "streams") add(pigment::two_flux_theory(surface.surface()));
     if (options.theory == "streams" || (options.theory == "best" && !free_films))
-      add(pigment::streams_theory(streams_settings(surface)));
+      add(pigment::streams_theory(streams_settings(surface, options), for_ranges));
     if (options.theory == "best" && free_films)
       tell("note: {}: the theory by streams has no free films; two fluxes are fitted alone\n", file);
 

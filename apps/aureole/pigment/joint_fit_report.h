@@ -18,6 +18,7 @@ struct JointOptions {
   bool joint = false;
   std::string theory = "best", black = "black";
   std::vector<std::string> hold_out;
+  double g = pigment::StreamsSettings().g;
   pigment::JointSettings settings;
 
   void declare(CommandOptions& options);

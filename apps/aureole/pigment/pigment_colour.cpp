@@ -116,7 +116,7 @@ void complete(ColourOptions& o) {
                                            {"--cmc", !o.cmc.empty()},
                                            {"--cie94", !o.cie94.empty()}})
       if (is_given) tell("note: {}: has no effect without --standard\n", option);
-  if (o.others.empty()) o.others = {"A", "F11"};
+  if (o.others.empty()) o.others = kUsualOthers;
   if (o.cmc.empty()) o.cmc = {2, 1};
 }
 

@@ -142,9 +142,15 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
   for (const auto& [option, is_given] : {std::pair{"--theory", o.joint.theory != usual.theory},
                                          {"--noise", set.noise != standard.noise},
                                          {"--amount-error", set.dose != standard.dose},
+                                         {"--g", o.joint.g != usual.g},
+                                         {"--g-error", set.g != standard.g},
                                          {"--thickness-error", set.thickness != standard.thickness},
                                          {"--black", o.joint.black != usual.black}})
     if (is_given && !o.joint.joint) tell("note: {}: has no effect without --joint\n", option);
+  for (const auto& [option, is_given] :
+       {std::pair{"--g", o.joint.g != usual.g}, {"--g-error", set.g != standard.g}})
+    if (is_given && o.joint.joint && o.joint.theory == "two-flux")
+      tell("note: {}: has no effect on two fluxes, which have no directions\n", option);
   if (o.joint.joint && !o.joint.hold_out.empty()) return;  // both names are noted there
   std::vector<std::string> names;
   for (const pigment::Sample& s : table.samples)

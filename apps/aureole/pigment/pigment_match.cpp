@@ -25,7 +25,7 @@ namespace {
 
 struct MatchOptions {
   std::string palette = "kimera", target, json, plot, thickness;
-  std::vector<std::string> others{"A", "F11"}, least, most, only, apart;
+  std::vector<std::string> others = kUsualOthers, least, most, only, apart;
   std::string by = "colour", prices;
   int paints = 3, solutions = 5;
   double substrate = 1, smallest = 1e-4, opacity = 0, within = 1;

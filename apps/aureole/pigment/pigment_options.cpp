@@ -20,9 +20,11 @@ void SurfaceOptions::declare(CommandOptions& options, const std::string& whose) 
            "measurement geometry of the interface to air in " + whose +
                ": diffuse, d8 (sphere), 45_0, or none")
       .one_of({"none", "diffuse", "d8", "45_0"});
-  options.add("--specular", specular, "specular reflection of the interface: included or excluded")
-      .one_of({"included", "excluded"})
-      .shows_default();
+  options
+      .add(
+          "--specular", specular,
+          "specular reflection of the interface: included or excluded (the default, unless a file states it)")
+      .one_of({"included", "excluded"});
   options.add("--index", index, "index of refraction of the binder").between(1.0, 4.0).shows_default();
   options.add("--alpha", alpha, "roughness of the interface (GGX), with --geometry diffuse")
       .between(0.0, 1.0);
@@ -33,18 +35,17 @@ void SurfaceOptions::declare(CommandOptions& options, const std::string& whose) 
 
 pigment::Surface SurfaceOptions::surface() const {
   using namespace pigment;
-  const Specular light = specular == "included" ? Specular::included : Specular::excluded;
   try {
     if (k1 >= 0 || k2 >= 0) {
       if (!(k1 >= 0 && k2 >= 0)) throw Error("--k1 and --k2 are given together");
       if (!geometry.empty()) throw Error("--geometry: is not used where --k1 and --k2 are given");
-      return saunderson_surface(k1, k2, light);
+      return saunderson_surface(k1, k2, light());
     }
     if (alpha > 0 && geometry != "diffuse")
       throw Error("--alpha: a rough interface needs --geometry diffuse");
-    if (alpha > 0) return rough_surface(index, alpha, light);
+    if (alpha > 0) return rough_surface(index, alpha, light());
     if (!geometry.empty() && geometry != "none")
-      return smooth_surface(index, geometry_called(geometry), light);
+      return smooth_surface(index, geometry_called(geometry), light());
   } catch (const std::domain_error& e) {
     throw Error(e.what());
   }
@@ -53,17 +54,31 @@ pigment::Surface SurfaceOptions::surface() const {
 
 void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file) {
   if (instrument.geometry.empty()) return;
+  const bool says_specular = !instrument.specular.empty() && instrument.geometry != "45_0";
   if (given()) {
+    // An option of the geometry alone leaves the specular component to the file.
+    const bool completes = specular.empty() && says_specular && geometry == instrument.geometry;
+    if (completes) {
+      specular = instrument.specular;
+      tell("note: {}: states that specular light is {}; --specular says otherwise\n", file, specular);
+      return;
+    }
     const bool differs = (!geometry.empty() && geometry != instrument.geometry) ||
-                         (!instrument.specular.empty() && instrument.geometry != "45_0" &&
-                          specular != instrument.specular && geometry != "none");
+                         (says_specular && geometry != "none" && specular_text() != instrument.specular);
     if (differs)
       tell("note: {}: states the geometry {}; the options, which differ, are taken\n", file,
            stated(instrument));
     return;
   }
   geometry = instrument.geometry;
-  if (!instrument.specular.empty()) specular = instrument.specular;
+  if (!specular.empty() && says_specular && specular != instrument.specular) {
+    tell(
+        "note: {}: was measured at the geometry {}; --specular {}, which differs, is taken: the interface of index {:g} "
+        "is taken off\n",
+        file, stated(instrument), specular, index);
+    return;
+  }
+  if (specular.empty()) specular = instrument.specular;
   tell(
       "note: {}: was measured at the geometry {}{}: the interface of index {:g} is taken off; --geometry none takes "
       "none off\n",
@@ -74,6 +89,8 @@ void SurfaceOptions::take(const pigment::Instrument& instrument, const std::stri
 std::string SurfaceOptions::stated(const pigment::Instrument& instrument) {
   return instrument.geometry + (instrument.specular.empty() ? "" : ", specular " + instrument.specular);
 }
+
+std::string SurfaceOptions::specular_text() const { return specular.empty() ? "excluded" : specular; }
 
 void SurfaceOptions::note_unused() const {
   if (index != SurfaceOptions().index && (k1 >= 0 || !given() || geometry == "none"))
@@ -90,11 +107,11 @@ void note_substrate(double substrate, const std::string& thickness) {
 }
 
 std::string SurfaceOptions::text() const {
-  const std::string light = ", specular " + specular;
-  if (k1 >= 0) return fmt::format("Saunderson, k1 {:g}, k2 {:g}{}", k1, k2, light);
+  const std::string with = ", specular " + specular_text();
+  if (k1 >= 0) return fmt::format("Saunderson, k1 {:g}, k2 {:g}{}", k1, k2, with);
   if (!given() || geometry == "none") return "none";
   return fmt::format("{} {}, index {:g}{}", alpha > 0 ? fmt::format("rough (alpha {:g}),", alpha) : "smooth,",
-                     geometry, index, geometry == "45_0" ? "" : light);
+                     geometry, index, geometry == "45_0" ? "" : with);
 }
 
 void LightOptions::declare(CommandOptions& options, const std::string& what) {
@@ -127,7 +144,11 @@ std::vector<std::string> LightOptions::others(const std::vector<std::string>& na
   for (const std::string& name : names) {
     const std::string other = viewed_at(name, field());
     const Viewing of = viewing_of(other);
-    if (of.illuminant != own.illuminant || of.field != own.field) all.push_back(other);
+    if (of.illuminant != own.illuminant || of.field != own.field) {
+      all.push_back(other);
+    } else if (names != kUsualOthers) {
+      tell("note: --others {}: is the illuminant of the colours itself and left out\n", name);
+    }
   }
   return all;
 }

@@ -15,23 +15,32 @@ namespace aureole {
 
 /// The interface between binder and air: an index and a measurement geometry, or Saunderson's k1 and k2.
 struct SurfaceOptions {
-  std::string geometry, specular = "excluded";
+  std::string geometry, specular;  ///< specular "": excluded
   double index = 1.5, alpha = 0, k1 = -1, k2 = -1;
 
   /// Declares the options; `whose` completes the help text, for example "the measurements".
   void declare(CommandOptions& options, const std::string& whose);
+  pigment::Specular light() const {
+    return specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
+  }
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
-  /// Takes the geometry that a file of measurements states, unless options give one; notes either.
+  /// Takes the geometry and the specular component that a file of measurements states, unless options give them; notes
+  /// what is taken.
   void take(const pigment::Instrument& instrument, const std::string& file);
   /// Notes options that have no effect beside the others.
   void note_unused() const;
   /// A geometry that a file states, in words: "d8, specular included".
   static std::string stated(const pigment::Instrument& instrument);
+  /// "included" or "excluded", with the default.
+  std::string specular_text() const;
   /// The interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
   std::string text() const;
 };
+
+/// Illuminants under which metamerism is judged unless options name others.
+inline const std::vector<std::string> kUsualOthers{"A", "F11"};
 
 /// The illuminant and the observer of colours.
 struct LightOptions {
@@ -45,7 +54,8 @@ struct LightOptions {
   std::string viewing() const;
   /// The observer's field in degrees: "2" or "10".
   std::string field() const;
-  /// Other illuminants, under this observer unless they state one themselves, without `viewing()`.
+  /// Other illuminants, under this observer unless they state one themselves, without `viewing()`, of which a note says
+  /// so unless `names` are the usual ones.
   std::vector<std::string> others(const std::vector<std::string>& names) const;
 };
 

@@ -54,12 +54,13 @@ public:
     return std::min(1.0, body / (surface_.through + surface_.k2 * body));
   }
 
-  FilmValue over(double ln_k, double ln_s, double substrate) const override {
-    return seen(two_flux_over(ln_k, ln_s, substrate));
+  FilmValue over(const FilmLayer& layer, double substrate) const override {
+    return seen(two_flux_over(layer.ln_k, layer.ln_s, substrate));
   }
 
-  FilmValue opaque(double ln_k, double ln_s) const override {
-    const double ratio = std::exp(std::min(ln_k - ln_s, 40.0)), root = std::sqrt(ratio * (2 + ratio));
+  FilmValue opaque(const FilmLayer& layer) const override {
+    const double ratio = std::exp(std::min(layer.ln_k - layer.ln_s, 40.0)),
+                 root = std::sqrt(ratio * (2 + ratio));
     FilmValue r;
     r.value = 1 / (1 + ratio + root);
     r.by_ln_k = -r.value * ratio / root;
@@ -67,8 +68,8 @@ public:
     return seen(r);
   }
 
-  FilmValue free_reflectance(double ln_k, double ln_s) const override { return free(ln_k, ln_s, true); }
-  FilmValue free_transmittance(double ln_k, double ln_s) const override { return free(ln_k, ln_s, false); }
+  FilmValue free_reflectance(const FilmLayer& layer) const override { return free(layer, true); }
+  FilmValue free_transmittance(const FilmLayer& layer) const override { return free(layer, false); }
 
 private:
   FilmValue seen(FilmValue r) const {
@@ -83,8 +84,9 @@ private:
     return reflected ? t.reflectance : t.transmittance;
   }
 
-  FilmValue free(double ln_k, double ln_s, bool reflected) const {
+  FilmValue free(const FilmLayer& layer, bool reflected) const {
     constexpr double kStep = 1e-4;
+    const double ln_k = layer.ln_k, ln_s = layer.ln_s;
     FilmValue r;
     r.value = free_value(ln_k, ln_s, reflected);
     r.by_ln_k =
@@ -107,16 +109,31 @@ struct FilmParts {
 
 class Streams final : public FilmTheory {
 public:
-  explicit Streams(const StreamsSettings& settings) : settings_(settings) {
+  Streams(const StreamsSettings& settings, const ParallelFor& threads) : settings_(settings) {
     if (!(settings.index >= 1 && settings.index <= 4))
       throw std::domain_error("the binder's index must be in [1, 4]");
     if (!(std::abs(settings.g) <= 0.95)) throw std::domain_error("the mean cosine must be in [-0.95, 0.95]");
-    nodes_.reserve(kAcross * kDown);
-    for (int i = 0; i < kAcross; ++i)
-      for (int j = 0; j < kDown; ++j)
-        nodes_.push_back(logarithms(solve(std::exp(kFirstK + kStep * i), std::exp(kFirstS + kStep * j))));
+    if (settings.varies_g) {
+      // Mean cosines of the tables, as steps of ln(1 - g) from the theory's own.
+      const double isotropy = 1 - settings.g;
+      first_g_ = -std::min(kMostSteps, int(std::log(isotropy / kLeastIsotropy) / kStepG));
+      last_g_ = std::min(kMostSteps, int(std::log(kMostIsotropy / isotropy) / kStepG));
+    }
+    nodes_.resize(std::size_t(last_g_ - first_g_ + 1) * kAcross * kDown);
+    threads(
+        nodes_.size() / kDown,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t row = begin; row < end; ++row) {
+            const int table = first_g_ + int(row / kAcross), i = int(row % kAcross);
+            const double g = table == 0 ? settings_.g : 1 - (1 - settings_.g) * std::exp(kStepG * table);
+            for (int j = 0; j < kDown; ++j)
+              nodes_[row * kDown + std::size_t(j)] =
+                  logarithms(solve(std::exp(kFirstK + kStep * i), std::exp(kFirstS + kStep * j), g));
+          }
+        },
+        8);
     // Without a film, by the interface alone.
-    const FilmParts bare = solve(1e-9, 1e-9);
+    const FilmParts bare = solve(1e-9, 1e-9, settings_.g);
     bare_ = bare.down * bare.up, bare_inside_ = bare.inside;
     const auto reflected = [&] {
       optics::StackDescription stack;
@@ -130,41 +147,47 @@ public:
   }
 
   std::string name() const override { return "streams"; }
+  std::optional<double> mean_cosine() const override {
+    return settings_.varies_g ? std::optional(settings_.g) : std::nullopt;
+  }
 
   double card(double measured) const override {
     const double body = std::max(0.0, measured - gloss_);
     return std::min(1.0, body / (bare_ + bare_inside_ * body));
   }
 
-  FilmValue over(double ln_k, double ln_s, double substrate) const override {
-    const Interpolated p = at(ln_k, ln_s);
+  FilmValue over(const FilmLayer& layer, double substrate) const override {
+    const Interpolated p = at(layer);
     const double body = std::exp(p.value[0]), pass = std::exp(p.value[1] + p.value[2]), inside = p.value[3];
     const double left = 1 - inside * substrate, through = pass * substrate / left;
     const auto slope = [&](const std::array<double, 4>& d) {
       return body * d[0] + through * (d[1] + d[2] + substrate * d[3] / left);
     };
-    return {gloss_ + body + through, slope(p.by_k), slope(p.by_s), pass / (left * left)};
+    return {gloss_ + body + through, slope(p.by_k), slope(p.by_s), pass / (left * left), slope(p.by_g)};
   }
 
-  FilmValue opaque(double ln_k, double ln_s) const override {
-    const double shift = std::min(kLastS - ln_s, kLastK - ln_k);
-    FilmValue r = over(ln_k + shift, ln_s + shift, 0);
+  FilmValue opaque(const FilmLayer& layer) const override {
+    const double shift = std::min(kLastS - layer.ln_s, kLastK - layer.ln_k);
+    FilmValue r = over({layer.ln_k + shift, layer.ln_s + shift, layer.g_shift}, 0);
     // The reflectance depends on K/S alone; the table's remaining dependence on thickness is removed.
     r.by_ln_k = 0.5 * (r.by_ln_k - r.by_ln_s), r.by_ln_s = -r.by_ln_k, r.by_substrate = 0;
     return r;
   }
 
-  FilmValue free_reflectance(double, double) const override { return no_free_film(); }
-  FilmValue free_transmittance(double, double) const override { return no_free_film(); }
+  FilmValue free_reflectance(const FilmLayer&) const override { return no_free_film(); }
+  FilmValue free_transmittance(const FilmLayer&) const override { return no_free_film(); }
 
 private:
   static constexpr double kStep = 0.125, kFirstK = -11.5, kLastK = 5.5, kFirstS = -6.5, kLastS = 7.25;
   static constexpr int kAcross = int((kLastK - kFirstK) / kStep) + 1,
                        kDown = int((kLastS - kFirstS) / kStep) + 1;
+  /// Distance of tables in ln(1 - g), the number of them on each side of the theory's own g, and bounds of 1 - g.
+  static constexpr double kStepG = 0.3, kLeastIsotropy = 0.05, kMostIsotropy = 1.3;
+  static constexpr int kMostSteps = 4;
 
   using Node = std::array<float, 4>;  ///< ln body, ln down, ln up, inside
   struct Interpolated {
-    std::array<double, 4> value, by_k, by_s;
+    std::array<double, 4> value, by_k, by_s, by_g;
   };
 
   [[noreturn]] static FilmValue no_free_film() {
@@ -184,10 +207,10 @@ private:
     throw std::logic_error("no such geometry");
   }
 
-  FilmParts solve(double k, double s) const {
+  FilmParts solve(double k, double s, double g) const {
     optics::StackDescription stack;
-    stack.layers = {{k / 2, 4. / 3 * s / (1 - settings_.g), 1,
-                     optics::LegendrePhase::henyey_greenstein(settings_.g), settings_.index}};
+    stack.layers = {
+        {k / 2, 4. / 3 * s / (1 - g), 1, optics::LegendrePhase::henyey_greenstein(g), settings_.index}};
     stack.index_below = settings_.index;  // in contact with the card
     const bool at_normal = settings_.geometry == Geometry::angle_45_0;
     // Radiance along the normal has the azimuthal mode 0 only.
@@ -218,17 +241,19 @@ private:
     d[2] = 0.5 * (1 + 8 * t - 9 * t2), d[3] = 0.5 * (-2 * t + 3 * t2);
   }
 
-  Interpolated at(double ln_k, double ln_s) const {
+  /// The table of one mean cosine, `table` steps from the theory's own.
+  Interpolated at(double ln_k, double ln_s, int table) const {
     const double x = (std::clamp(ln_k, kFirstK, kLastK) - kFirstK) / kStep,
                  y = (std::clamp(ln_s, kFirstS, kLastS) - kFirstS) / kStep;
     const int i = std::clamp(int(x), 0, kAcross - 2), j = std::clamp(int(y), 0, kDown - 2);
+    const Node* nodes = nodes_.data() + std::size_t(table - first_g_) * kAcross * kDown;
     double wx[4], dx[4], wy[4], dy[4];
     weights(x - i, wx, dx), weights(y - j, wy, dy);
     Interpolated r{};
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b) {
-        const Node& node = nodes_[std::size_t(std::clamp(i + a - 1, 0, kAcross - 1) * kDown +
-                                              std::clamp(j + b - 1, 0, kDown - 1))];
+        const Node& node = nodes[std::size_t(std::clamp(i + a - 1, 0, kAcross - 1) * kDown +
+                                             std::clamp(j + b - 1, 0, kDown - 1))];
         for (std::size_t c = 0; c < 4; ++c) {
           r.value[c] += wx[a] * wy[b] * double(node[c]);
           r.by_k[c] += dx[a] * wy[b] * double(node[c]) / kStep;
@@ -238,8 +263,28 @@ private:
     return r;
   }
 
+  Interpolated at(const FilmLayer& layer) const {
+    if (first_g_ == last_g_) return at(layer.ln_k, layer.ln_s, 0);
+    const double wanted = layer.g_shift / kStepG, z = std::clamp(wanted, double(first_g_), double(last_g_));
+    const int base = std::clamp(int(std::floor(z)), first_g_, last_g_ - 1);
+    double wz[4], dz[4];
+    weights(z - base, wz, dz);
+    Interpolated r{};
+    for (int a = 0; a < 4; ++a) {
+      if (wz[a] == 0 && dz[a] == 0) continue;
+      const Interpolated one = at(layer.ln_k, layer.ln_s, std::clamp(base + a - 1, first_g_, last_g_));
+      for (std::size_t c = 0; c < 4; ++c) {
+        r.value[c] += wz[a] * one.value[c];
+        r.by_k[c] += wz[a] * one.by_k[c], r.by_s[c] += wz[a] * one.by_s[c];
+        if (z == wanted) r.by_g[c] += dz[a] * one.value[c] / kStepG;
+      }
+    }
+    return r;
+  }
+
   StreamsSettings settings_;
-  std::vector<Node> nodes_;
+  int first_g_ = 0, last_g_ = 0;  ///< tables, in steps of ln(1 - g) from the theory's own g
+  std::vector<Node> nodes_;       ///< by table, ln K, ln S
   double bare_ = 1, bare_inside_ = 0, gloss_ = 0;
 };
 
@@ -249,8 +294,8 @@ std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface) {
   return std::make_unique<TwoFlux>(surface);
 }
 
-std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings) {
-  return std::make_unique<Streams>(settings);
+std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings, const ParallelFor& threads) {
+  return std::make_unique<Streams>(settings, threads);
 }
 
 }  // namespace aureole::pigment

@@ -7,8 +7,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "aureole/core/parallel_for.h"
 #include "aureole/pigment/saunderson.h"
 
 namespace aureole::pigment {
@@ -18,6 +20,15 @@ struct FilmValue {
   double value = 0;
   double by_ln_k = 0, by_ln_s = 0;  ///< derivatives by ln K and ln S
   double by_substrate = 0;          ///< derivative by the substrate's inner reflectance
+  double by_g_shift = 0;            ///< derivative by `FilmLayer::g_shift`
+};
+
+/// A layer of paint as the theories of a film take it.
+struct FilmLayer {
+  double ln_k = 0, ln_s = 0;
+  /// ln((1 - g)/(1 - g0)), with g the mean cosine of scattering in this layer and g0 the theory's own. Theories
+  /// without directions ignore it.
+  double g_shift = 0;
 };
 
 class FilmTheory {
@@ -27,14 +38,16 @@ public:
   /// Inner reflectance, in [0, 1], of a card that was measured bare. The card is taken for a Lambertian surface
   /// under an interface like the paint's. Values below the interface's own reflectance give 0.
   virtual double card(double measured) const = 0;
+  /// The theory's own mean cosine g0, if layers may have another one (`FilmLayer::g_shift`).
+  virtual std::optional<double> mean_cosine() const { return std::nullopt; }
   /// A film over a card of this inner reflectance.
-  virtual FilmValue over(double ln_k, double ln_s, double substrate) const = 0;
-  /// A layer so thick that nothing below it matters; only K/S counts.
-  virtual FilmValue opaque(double ln_k, double ln_s) const = 0;
+  virtual FilmValue over(const FilmLayer& layer, double substrate) const = 0;
+  /// A layer so thick that nothing below it matters; of K and S only K/S counts.
+  virtual FilmValue opaque(const FilmLayer& layer) const = 0;
   /// Reflectance or transmittance of a free film with an interface on each side. Throws std::domain_error if the
   /// theory does not include free films.
-  virtual FilmValue free_reflectance(double ln_k, double ln_s) const = 0;
-  virtual FilmValue free_transmittance(double ln_k, double ln_s) const = 0;
+  virtual FilmValue free_reflectance(const FilmLayer& layer) const = 0;
+  virtual FilmValue free_transmittance(const FilmLayer& layer) const = 0;
 };
 
 /// Kubelka and Munk's two fluxes under a Saunderson interface.
@@ -47,11 +60,16 @@ struct StreamsSettings {
   Geometry geometry = Geometry::diffuse_8;
   Specular specular = Specular::excluded;
   int streams = 16;
+  /// Whether layers may have mean cosines of their own (`FilmLayer::g_shift`).
+  bool varies_g = false;
 };
 
 /// Radiative transfer by discrete ordinates (optics/stack). Solutions are tabulated once over ln K and ln S
-/// (some 0.5 s) and interpolated by cubic polynomials, with an error below 1e-4 in reflectance. Free films are
-/// not included.
-std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings);
+/// (some 0.5 s) and interpolated by cubic polynomials, with an error below 1e-4 in reflectance. With `varies_g`
+/// there is such a table for each of up to nine mean cosines, 0.3 of ln(1 - g) apart, with 1 - g from 0.05 to 1.3
+/// and no more than a factor of 3.3 from that of `g`; layers beyond have the nearest of them. Free
+/// films are not included.
+std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings,
+                                           const ParallelFor& threads = serial_for);
 
 }  // namespace aureole::pigment

@@ -30,6 +30,7 @@ struct JointSettings {
   double stated_thickness = 0.03;  ///< of a stated thickness
   double dose = 0.1;               ///< of each paint's amount in a mixture
   double specific_volume = 0.5;    ///< of a paint's volume per mass, relative to the others
+  double g = 0;                    ///< of a paint's 1 - g about the theory's, if the theory has one
   double series_k = 0.25, series_s = 0.25;  ///< of a paint's K and S in one series about its mean over series
   double step_k = 0.7, step_s = 0.2;        ///< of the change of K and S over 10 nm
   double level_k = 3, level_s = 1.5;        ///< of K and S about the levels 0.4 and 7 per film
@@ -61,6 +62,11 @@ struct SpecimenReport {
   std::vector<Dose> doses;
 };
 
+/// The mean cosine of scattering in a paint, and its standard error.
+struct MeanCosine {
+  double g = 0, error = 0;
+};
+
 /// A predicted specimen.
 struct JointPrediction {
   std::vector<double> values;  ///< at the table's wavelengths
@@ -88,6 +94,8 @@ public:
   std::vector<SpecimenReport> specimens(bool with_errors = false) const;
   /// Volume per mass of each paint, relative to their mean, in the palette's order.
   std::vector<double> specific_volumes() const;
+  /// Mean cosine of each paint, in the palette's order, in fits of streams in which paints have their own; else empty.
+  std::vector<MeanCosine> mean_cosines() const;
   /// Predicts any sample of the table, at the thickness stated or the common one and the stated amounts. Throws
   /// std::domain_error for a paint that the fit has not seen.
   JointPrediction predict(const Sample& sample, bool with_error = false) const;

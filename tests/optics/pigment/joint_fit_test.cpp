@@ -39,7 +39,7 @@ TEST(FilmTheory, TwoFluxesAreTheClosedFormAndItsSlopesTheQuotients) {
     for (const double s : {1e-3, 0.1, 3.0, 200.0})
       for (const double card : {0.0, 0.3, 0.9}) {
         const double expected = outer_reflectance(surface, reflectance_over(layer({k, s}, 1), card));
-        const FilmValue v = theory->over(std::log(k), std::log(s), card);
+        const FilmValue v = theory->over({std::log(k), std::log(s)}, card);
         EXPECT_NEAR(v.value, expected, 1e-9) << k << " " << s << " " << card;
         constexpr double kStep = 1e-5;
         const auto at = [&](double a, double b, double c) {
@@ -50,7 +50,7 @@ TEST(FilmTheory, TwoFluxesAreTheClosedFormAndItsSlopesTheQuotients) {
         EXPECT_NEAR(v.by_ln_s, (at(0, kStep, card) - at(0, -kStep, card)) / (2 * kStep), 1e-6);
         EXPECT_NEAR(v.by_substrate, (at(0, 0, card + kStep) - at(0, 0, card)) / kStep, 1e-4);
       }
-  EXPECT_NEAR(theory->opaque(std::log(0.5), 0).value, outer_reflectance(surface, 0.381966011250105), 1e-12);
+  EXPECT_NEAR(theory->opaque({std::log(0.5), 0}).value, outer_reflectance(surface, 0.381966011250105), 1e-12);
   EXPECT_NEAR(theory->card(outer_reflectance(surface, 0.7)), 0.7, 1e-12);
 }
 
@@ -62,12 +62,37 @@ TEST(FilmTheory, StreamsAreTheSolverOfStacks) {
   for (int i = 0; i < 60; ++i) {
     const double k = ln_k(random), s = ln_s(random), r = card(random);
     // With a substrate the solver counts light that the card sends back within the layer.
-    EXPECT_NEAR(theory->over(k, s, r).value, diffuse_film(std::exp(k), std::exp(s), 0.6, 1.5, r), 2e-4)
+    EXPECT_NEAR(theory->over({k, s}, r).value, diffuse_film(std::exp(k), std::exp(s), 0.6, 1.5, r), 2e-4)
         << k << " " << s << " " << r;
   }
-  EXPECT_NEAR(theory->card(theory->over(-20, -20, 0.8).value), 0.8, 2e-3);
-  const double opaque = theory->opaque(std::log(0.05), 0).value;
+  EXPECT_NEAR(theory->card(theory->over({-20, -20}, 0.8).value), 0.8, 2e-3);
+  const double opaque = theory->opaque({std::log(0.05), 0}).value;
   EXPECT_NEAR(opaque, diffuse_film(0.05 * 1e3, 1e3, 0.6, 1.5, 0), 1e-3);
+}
+
+TEST(FilmTheory, StreamsTakeAnyMeanCosine) {
+  const StreamsSettings settings{
+      .index = 1.5, .g = 0.6, .geometry = Geometry::diffuse_diffuse, .varies_g = true};
+  const auto theory = streams_theory(settings, std_thread_for());
+  EXPECT_EQ(theory->mean_cosine(), 0.6);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> ln_k(-6, 2), ln_s(-3, 4), card(0, 1);
+  for (const double g : {0.05, 0.2, 0.45, 0.6, 0.75, 0.85})
+    for (int i = 0; i < 12; ++i) {
+      const FilmLayer layer{ln_k(random), ln_s(random), std::log((1 - g) / 0.4)};
+      const double r = card(random);
+      const FilmValue v = theory->over(layer, r);
+      EXPECT_NEAR(v.value, diffuse_film(std::exp(layer.ln_k), std::exp(layer.ln_s), g, 1.5, r), 1e-3)
+          << g << " " << layer.ln_k << " " << layer.ln_s << " " << r;
+      constexpr double kStep = 1e-4;
+      FilmLayer more = layer, less = layer;
+      more.g_shift += kStep, less.g_shift -= kStep;
+      EXPECT_NEAR(v.by_g_shift, (theory->over(more, r).value - theory->over(less, r).value) / (2 * kStep),
+                  1e-5);
+    }
+  // Beyond the tables the nearest one counts.
+  EXPECT_EQ(theory->over({0, 0, -5}, 0.5).value, theory->over({0, 0, -4}, 0.5).value);
+  EXPECT_EQ(theory->over({0, 0, -5}, 0.5).by_g_shift, 0);
 }
 
 TEST(NormalChain, SolvesAsTheDenseMatrix) {
@@ -368,13 +393,27 @@ TEST(JointFit, SyntheticFilmsArePredicted) {
     add(recipe);
   JointSettings settings;
   settings.noise = 0.004, settings.noise_relative = 0.01;
-  double rms[2] = {};
+  JointSettings settings_g = settings;
+  settings_g.g = 0.4;
+  double rms[3] = {};
   const auto two = two_flux_theory(smooth_surface(1.5, Geometry::diffuse_diffuse, Specular::excluded));
   const auto streams = streams_theory({.index = 1.5, .g = 0.5, .geometry = Geometry::diffuse_diffuse});
-  for (const int t : {0, 1}) {
-    const FilmTheory& theory = t == 0 ? *two : *streams;
-    const JointFit full(table, theory, settings);
-    const auto held = hold_out(table, theory, settings, {{"red: 1 + blue: 2 + white: 7"}}, full, true);
+  const auto streams_g = streams_theory(
+      {.index = 1.5, .g = 0.5, .geometry = Geometry::diffuse_diffuse, .varies_g = true}, std_thread_for());
+  for (const int t : {0, 1, 2}) {
+    const FilmTheory& theory = t == 0 ? *two : t == 1 ? *streams : *streams_g;
+    const JointSettings& set = t == 2 ? settings_g : settings;
+    const JointFit full(table, theory, set);
+    const auto held = hold_out(table, theory, set, {{"red: 1 + blue: 2 + white: 7"}}, full, true);
+    const std::vector<MeanCosine> cosines = full.mean_cosines();
+    ASSERT_EQ(cosines.size(), t == 2 ? 3u : 0u);
+    for (std::size_t p = 0; p < cosines.size(); ++p) {
+      const std::string& name = full.palette().pigments[p].name;
+      const double truth = name == "white" ? 0.55 : name == "red" ? 0.7 : 0.3;
+      std::printf("%s: g %.3f +- %.3f, made with %.2f\n", name.c_str(), cosines[p].g, cosines[p].error,
+                  truth);
+      EXPECT_NEAR(cosines[p].g, truth, 3 * cosines[p].error) << name;
+    }
     ASSERT_EQ(held.size(), 1u);
     ASSERT_EQ(held[0].predictions.size(), 2u) << held[0].reason;
     int inside = 0, count = 0;
@@ -385,12 +424,14 @@ TEST(JointFit, SyntheticFilmsArePredicted) {
         rms[t] += difference * difference / double(2 * nm.size());
         inside += std::abs(difference) < 1.645 * held[0].predictions[i].error[l];
       }
-    if (t == 1) {
+    if (t > 0) {
       EXPECT_GE(inside, 0.8 * count);
     }
   }
-  std::printf("a mixture of three, kept back: rms of R %.4f by two fluxes, %.4f by streams\n",
-              std::sqrt(rms[0]), std::sqrt(rms[1]));
+  std::printf(
+      "a mixture of three, kept back: rms of R %.4f by two fluxes, %.4f by streams of one g, %.4f of each paint's g\n",
+      std::sqrt(rms[0]), std::sqrt(rms[1]), std::sqrt(rms[2]));
+  EXPECT_LT(std::sqrt(rms[2]), 0.008);
   EXPECT_LT(std::sqrt(rms[1]), 0.008);
   EXPECT_LT(rms[1], rms[0]);
 }
