@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -14,6 +15,7 @@
 #include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
 #include "aureole/core/workers.h"
+#include "aureole/instrument/picture/tev_viewer.h"
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
@@ -32,7 +34,7 @@ extern "C" void request_stop(int) {
 }
 
 struct Arguments {
-  std::string scene, output, samples, sampler, integrator, pixel, adaptive, tonemap;
+  std::string scene, output, samples, sampler, integrator, pixel, adaptive, tonemap, tev;
 
   std::optional<Tone> tone() const {
     if (tonemap.empty()) return {};
@@ -87,14 +89,27 @@ private:
   bool shown_;
 };
 
-/// Updates the PNG every few seconds while a job runs.
+/// Updates the PNG, or the picture in a viewer, every few seconds while a job runs.
 class Preview {
 public:
-  Preview(const RenderJob& job, std::filesystem::path output, const std::optional<Tone>& tone)
-      : job_(job), output_(std::move(output)), tone_(tone), thread_([this] { loop(); }) {}
+  /// Without `has_png` the viewer alone is updated, and without a viewer the PNG alone.
+  Preview(const RenderJob& job, std::filesystem::path output, const std::optional<Tone>& tone, bool has_png,
+          std::unique_ptr<TevViewer> viewer)
+      : job_(job),
+        output_(std::move(output)),
+        tone_(tone),
+        has_png_(has_png),
+        viewer_(std::move(viewer)),
+        thread_([this] { loop(); }) {}
+  /// Shows the last picture in the viewer.
   ~Preview() {
     done_ = true;
     thread_.join();
+    try {
+      update();
+    } catch (const std::exception& e) {
+      tell("note: the viewer does not have the last picture: {}\n", e.what());
+    }
   }
 
 private:
@@ -102,18 +117,26 @@ private:
     for (int tick = 1; !done_; ++tick) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
       try {
-        if (tick % 20 != 0) continue;
-        const RenderState state = job_.snapshot();
-        if (state.units_done() > 0) write_preview(state, output_, tone_);
+        if (tick % 20 == 0) update();
       } catch (const std::exception& e) {
         tell("\nnote: no more previews: {}\n", e.what());
+        viewer_.reset();
         return;
       }
     }
   }
+  void update() {
+    const RenderState state = job_.snapshot();
+    if (state.units_done() == 0) return;
+    if (has_png_ && !done_) write_preview(state, output_, tone_);
+    if (viewer_) viewer_->show(output_.filename().string(), state.picture());
+  }
+
   const RenderJob& job_;
   std::filesystem::path output_;
   std::optional<Tone> tone_;
+  bool has_png_;
+  std::unique_ptr<TevViewer> viewer_;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };
@@ -266,8 +289,14 @@ RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, 
   std::signal(SIGHUP, request_stop);
   ProgressLine line(a.quiet);
   std::optional<Preview> preview;
+  std::unique_ptr<TevViewer> viewer;
   try {
-    if (a.preview) preview.emplace(job, output, a.tone());
+    if (!a.tev.empty()) viewer = std::make_unique<TevViewer>(a.tev);
+  } catch (const Error& e) {
+    throw Error("--tev: " + e.message());
+  }
+  try {
+    if (a.preview || viewer) preview.emplace(job, output, a.tone(), a.preview, std::move(viewer));
   } catch (const std::system_error& e) {
     tell("note: no previews: {}\n", e.what());
   }
@@ -424,6 +453,8 @@ std::function<int()> declare(CommandOptions& options) {
               "asinh:C:E: tone-map the PNG by asinh(C y)/asinh(C), y the luminance times 2^E, for high "
               "dynamic range (default: only highlights are compressed)");
   options.add("--preview", a->preview, "update the PNG while rendering");
+  options.add("--tev", a->tev,
+              "show the picture while rendering in the viewer tev at HOST:PORT (localhost:14158)");
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return render(*a); };
 }

@@ -9,7 +9,7 @@ from ._aureole import Aperture, Bsdf, Bssrdf, Emitter, Medium, Object, Phase, Te
 from ._check import CheckRecord, CheckReport, check  # noqa: E402
 from ._dict import Transform  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
-from ._image import Image, read_image  # noqa: E402
+from ._image import Image, convert, read_image  # noqa: E402
 from ._microstructure import Estimate, Microstructure, Particles, microstructure  # noqa: E402
 from ._objects import BsdfSample, EmitterSample, Lobe, MediumCoefficients, PhaseSample  # noqa: E402
 from ._python_bsdf import PythonBsdf, as_bsdf  # noqa: E402
@@ -21,6 +21,6 @@ __all__ = [
     "Aperture", "Bsdf", "BsdfSample", "Bssrdf", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error", "Estimate",
     "Image", "InterruptedWarning", "Lobe", "Medium", "MediumCoefficients", "Microstructure", "Object", "ParameterError",
     "Particles", "Phase", "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__",
-    "as_bsdf", "check", "load_dict", "load_file", "load_string", "microstructure", "optics", "pigment", "plot", "read_image", "read_vol",
+    "as_bsdf", "check", "convert", "load_dict", "load_file", "load_string", "microstructure", "optics", "pigment", "plot", "read_image", "read_vol",
     "render", "render_iter", "spectrum", "write_vol",
 ]

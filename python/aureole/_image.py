@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import file_path, scalar, shown, text
+from ._arrays import file_path, flag, integer, scalar, shown, text
 from ._errors import Error
 
 FloatArray = npt.NDArray[np.float32]
@@ -255,4 +256,52 @@ def read_image(path: "str | os.PathLike[str]") -> Image:
     return Image._of(_aureole.Picture.read(file_path("path", path)))
 
 
-__all__ = ["Image", "read_image"]
+def convert(path: "str | os.PathLike[str]", output: "str | os.PathLike[str]", *, exposure: float = 0, tonemap: Optional[str] = None,
+            crop: Optional[Sequence[int]] = None, channel: Optional[str] = None, false_color: Optional[str] = None,
+            low: Optional[float] = None, high: Optional[float] = None, log: bool = False, contours: int = 0,
+            difference: "str | os.PathLike[str] | None" = None, difference_kind: str = "absolute", bits: Optional[int] = None,
+            quality: int = 95) -> None:
+    """Writes a picture in another format, as `aureole convert`; what it notes is a warning.
+
+    Parameters
+    ----------
+    path, output : str or path
+        EXR, HDR, PFM, PNG, JPEG, TIFF (read also TGA and BMP). The extension of `output` tells its format. Integers are
+        encoded as sRGB; all other values are linear.
+    exposure : float
+        Stops: R, G, B and Y are multiplied by 2 to this power.
+    tonemap : str, optional
+        "asinh:COMPRESSION:EXPOSURE", of formats with integers.
+    crop : sequence of 4 int, optional
+        x, y, width and height in pixels from the upper left corner.
+    channel : str, optional
+        A layer ("albedo" for albedo.R, albedo.G, albedo.B) or a channel ("depth.Y").
+    false_color : str, optional
+        Luminance, or the one channel, in colours of a map ("viridis", "magma", "inferno", "plasma", "cividis", "turbo",
+        "gray") with a scale from `low` to `high` (by default those of the picture), logarithmic with `log`, and `contours`.
+    difference : str or path, optional
+        The picture that is subtracted; `difference_kind` is "absolute", "relative" (divided by it) or "plain".
+    bits : int, optional
+        Per channel: PNG 8 or 16, TIFF 8, 16 or 32 (linear floats), EXR 16 or 32.
+    quality : int
+        Of a JPEG, 1 to 100.
+    """
+    if difference_kind not in ("absolute", "relative", "plain"):
+        raise Error(f'difference_kind: expected "absolute", "relative" or "plain", got {shown(difference_kind)}')
+    window = None
+    if crop is not None:
+        if not isinstance(crop, (Sequence, np.ndarray)) or isinstance(crop, str) or len(crop) != 4:
+            raise Error(f"crop: expected x, y, width and height, got {shown(crop)}")
+        window = [integer("crop", v) for v in crop]
+    notes = _aureole.convert_picture(
+        file_path("path", path), file_path("output", output), "" if difference is None else file_path("difference", difference),
+        difference_kind, "" if channel is None else text("channel", channel), window, scalar("exposure", exposure, minimum=-100, maximum=100),
+        "" if tonemap is None else text("tonemap", tonemap), "" if false_color is None else text("false_color", false_color),
+        None if low is None else scalar("low", low), None if high is None else scalar("high", high), flag("log", log),
+        integer("contours", contours, minimum=0, maximum=100), 0 if bits is None else integer("bits", bits, minimum=1, maximum=32),
+        integer("quality", quality, minimum=1, maximum=100))
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+
+
+__all__ = ["Image", "convert", "read_image"]

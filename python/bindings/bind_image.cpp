@@ -4,6 +4,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -16,6 +17,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
 #include "aureole/core/output_file.h"
+#include "aureole/instrument/picture/convert_picture.h"
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
 #include "bindings.h"
@@ -235,6 +237,32 @@ void bind_image(nb::module_& m) {
             save(p, file, exposure);
           },
           nb::arg("file"), nb::arg("exposure"));
+
+  m.def(
+      "convert_picture",
+      [](const std::filesystem::path& file, const std::filesystem::path& output,
+         const std::string& subtrahend, const std::string& kind, const std::string& channel,
+         const std::optional<std::array<int, 4>>& crop, double exposure, const std::string& tone,
+         const std::string& map, std::optional<double> low, std::optional<double> high, bool is_logarithmic,
+         int contours, int bits, int quality) {
+        const Unlocked release;
+        ConvertSettings s;
+        s.subtrahend = subtrahend;
+        s.difference = kind == "plain"      ? PictureDifference::plain
+                       : kind == "relative" ? PictureDifference::relative
+                                            : PictureDifference::absolute;
+        s.channel = channel, s.crop = crop, s.exposure = exposure;
+        if (!tone.empty()) s.tone = Tone::parse(tone);
+        s.is_false_color = !map.empty(), s.map = map;
+        s.low = low, s.high = high, s.is_logarithmic = is_logarithmic, s.contours = contours;
+        s.bits = bits, s.quality = quality;
+        return convert_picture(file, output, s).notes;
+      },
+      nb::arg("file"), nb::arg("output"), nb::arg("subtrahend"), nb::arg("kind"), nb::arg("channel"),
+      nb::arg("crop").none(), nb::arg("exposure"), nb::arg("tone"), nb::arg("map"), nb::arg("low").none(),
+      nb::arg("high").none(), nb::arg("is_logarithmic"), nb::arg("contours"), nb::arg("bits"),
+      nb::arg("quality"));
+  m.def("color_scale_maps", &color_scale_maps);
 }
 
 }  // namespace aureole::python

@@ -18,6 +18,7 @@
 #include <fstream>
 #include <limits>
 
+#include "aureole/core/color_profile.h"
 #include "aureole/core/error.h"
 #include "aureole/math/vec.h"
 
@@ -178,7 +179,7 @@ TEST_F(ImageTest, PngRoundTrip) {
     expect_truncations_fail(path("a.png"), 0);
   }
   expect_damage_survived(path("a.png"));
-  EXPECT_THROW(write_png(path("b.png"), gradient(2, 2, {"a", "b"})), Error);
+  EXPECT_THROW(write_png(path("b.png"), gradient(2, 2, {"a", "b", "c", "d", "e"})), Error);
   Image odd = gradient(3, 1, {"Y"});
   odd.pixels = {-1, 2, std::numeric_limits<float>::quiet_NaN()};
   write_png(path("c.png"), odd);
@@ -192,8 +193,13 @@ TEST_F(ImageTest, Png16AndPalette) {
   ASSERT_TRUE(png_image_write_to_file(&png, path("p16.png").c_str(), 0, values, 0, nullptr));
   const Image back = read_image(path("p16.png"));
   EXPECT_EQ(back.channels, std::vector<std::string>{"Y"});
-  EXPECT_FLOAT_EQ(back.pixels[0], 0x1234 / 65535.f);
-  EXPECT_EQ(back.pixels[1], 1);
+  // The file states that its values are linear; stored values are the file's own.
+  EXPECT_NEAR(back.pixels[0], srgb_encode(0x1234 / 65535.f), 1e-5);
+  EXPECT_NEAR(back.pixels[1], 1, 1e-5);
+  ASSERT_EQ(back.notes.size(), 1u);
+  const Image stored = read_image(path("p16.png"), nullptr, 100, ImageColors::stored);
+  EXPECT_FLOAT_EQ(stored.pixels[0], 0x1234 / 65535.f);
+  EXPECT_EQ(stored.pixels[1], 1);
 
   png_image palette{};
   palette.version = PNG_IMAGE_VERSION, palette.width = 2, palette.height = 1,
@@ -204,6 +210,79 @@ TEST_F(ImageTest, Png16AndPalette) {
   const Image p = read_image(path("pal.png"));
   EXPECT_EQ(p.channels, (std::vector<std::string>{"R", "G", "B"}));
   EXPECT_EQ(p.pixels, (std::vector<float>{0, 1, 0, 1, 0, 51 / 255.f}));
+}
+
+TEST_F(ImageTest, IntegersOfEveryFormat) {
+  for (const auto& channels :
+       {std::vector<std::string>{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}) {
+    const Image image = gradient(19, 11, channels);
+    const auto expect_back = [&](const std::string& name, float error) {
+      const Image back = read_image(path(name));
+      EXPECT_EQ(back.channels, channels) << name;
+      EXPECT_TRUE(back.notes.empty()) << name << back.notes.front();
+      ASSERT_EQ(back.pixels.size(), image.pixels.size());
+      for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        EXPECT_NEAR(back.pixels[i], image.pixels[i], error) << name << i;
+    };
+    write_png(path("w16.png"), image, 16), expect_back("w16.png", 0.5f / 65535 + 1e-6f);
+    write_tiff(path("w8.tif"), image, TiffPixel::integer8), expect_back("w8.tif", 0.5f / 255 + 1e-6f);
+    write_tiff(path("w16.tif"), image, TiffPixel::integer16), expect_back("w16.tif", 0.5f / 65535 + 1e-6f);
+    write_tiff(path("w32.tif"), image, TiffPixel::float32), expect_back("w32.tif", 0);
+    EXPECT_FALSE(read_image(path("w32.tif")).srgb_encoded);
+    if (channels.back() == "A") {
+      EXPECT_THROW(write_jpeg(path("w.jpg"), image), Error);
+    } else {
+      write_jpeg(path("w.jpg"), image, 100), expect_back("w.jpg", 4.f / 255);
+      expect_damage_survived(path("w.jpg")), expect_damage_survived(path("w16.tif"));
+    }
+  }
+  EXPECT_THROW(write_tiff(path("b.tif"), gradient(2, 2, {"a", "b", "c", "d", "e"}), TiffPixel::float32),
+               Error);
+}
+
+/// A PNG whose chunks state other primaries and a linear scale, against the matrix of Display P3's primaries.
+TEST_F(ImageTest, PrimariesOfAPng) {
+  std::vector<unsigned char> profile;
+  const auto write = [&](const std::string& name, double gamma, bool p3, bool srgb) {
+    FILE* const file = std::fopen(path(name).c_str(), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, 1, 1, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    if (gamma > 0) png_set_gAMA(png, info, gamma);
+    if (p3) png_set_cHRM(png, info, 0.3127, 0.3290, 0.680, 0.320, 0.265, 0.690, 0.150, 0.060);
+    if (srgb) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (!profile.empty())
+      png_set_iCCP(png, info, "x", PNG_COMPRESSION_TYPE_BASE, profile.data(), png_uint_32(profile.size()));
+    png_write_info(png, info);
+    const unsigned char row[3] = {204, 102, 51};
+    png_write_row(png, row);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    std::fclose(file);
+  };
+  const std::vector<float> as_stored = {0.8f, 0.4f, 0.2f};
+  write("p3.png", 1, true, false);
+  const Image p3 = read_image(path("p3.png"));
+  const double m[3][3] = {{1.2249, -0.2247, 0}, {-0.0420, 1.0419, 0}, {-0.0197, -0.0786, 1.0979}};
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(p3.pixels[k], srgb_encode(float(m[k][0] * 0.8 + m[k][1] * 0.4 + m[k][2] * 0.2)), 3e-3) << k;
+  ASSERT_EQ(p3.notes.size(), 1u);
+  EXPECT_NE(p3.notes[0].find("converted to sRGB"), std::string::npos);
+  // sRGB, nothing, and the usual exponent stand for sRGB; sRGB goes before other chunks.
+  for (const auto& [gamma, srgb] : {std::pair{0., false}, {1 / 2.2, false}, {1 / 2.2, true}}) {
+    write("plain.png", gamma, false, srgb);
+    EXPECT_EQ(read_image(path("plain.png")).pixels, as_stored) << gamma << srgb;
+  }
+  // A profile goes before the chunks: of sRGB's primaries with an exponent of 1.8.
+  profile = profile_of_primaries({0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290}, 1.8);
+  write("icc.png", 1, true, false);
+  const Image icc = read_image(path("icc.png"));
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(icc.pixels[k], srgb_encode(std::pow(as_stored[k], 1.8f)), 2e-3) << k;
+  expect_damage_survived(path("icc.png"));
+  EXPECT_THROW(profile_of_primaries({0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0}, 1), Error);
 }
 
 TEST_F(ImageTest, Jpeg) {

@@ -19,6 +19,8 @@
 // jpeglib.h needs size_t and FILE first.
 #include <jpeglib.h>
 
+#include "aureole/core/color_profile.h"
+
 namespace aureole::fuzz {
 
 namespace {
@@ -37,7 +39,12 @@ std::string pixels(int channels, int bytes_per_value = 1) {
   return all;
 }
 
-std::string png(int color_type, int bits, bool interlaced) {
+/// The profile of a display that sRGB is not: its values have an exponent of 1.8.
+std::vector<unsigned char> other_profile() {
+  return profile_of_primaries({0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.3127, 0.3290}, 1.8);
+}
+
+std::string png(int color_type, int bits, bool interlaced, bool with_profile = false) {
   std::string out;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
@@ -56,6 +63,9 @@ std::string png(int color_type, int bits, bool interlaced) {
     png_set_PLTE(png, info, palette, 4);
     png_set_tRNS(png, info, transparency, 2, nullptr);
   }
+  const std::vector<unsigned char> profile = other_profile();
+  if (with_profile)
+    png_set_iCCP(png, info, "x", PNG_COMPRESSION_TYPE_BASE, profile.data(), png_uint_32(profile.size()));
   png_write_info(png, info);
   std::string data = pixels(4, 2);  // more than any kind needs
   if (color_type == PNG_COLOR_TYPE_PALETTE)
@@ -68,7 +78,7 @@ std::string png(int color_type, int bits, bool interlaced) {
   return out;
 }
 
-std::string jpeg(int components, bool progressive) {
+std::string jpeg(int components, bool progressive, bool with_profile = false) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
@@ -81,6 +91,8 @@ std::string jpeg(int components, bool progressive) {
   jpeg_set_defaults(&jpeg);
   if (progressive) jpeg_simple_progression(&jpeg);
   jpeg_start_compress(&jpeg, TRUE);
+  const std::vector<unsigned char> profile = other_profile();
+  if (with_profile) jpeg_write_icc_profile(&jpeg, profile.data(), unsigned(profile.size()));
   std::string data = pixels(components);
   while (jpeg.next_scanline < jpeg.image_height) {
     JSAMPROW row =
@@ -212,6 +224,8 @@ std::vector<std::pair<std::string, std::string>> seed_files() {
       {"palette.png", png(PNG_COLOR_TYPE_PALETTE, 8, true)},
       {"grey_alpha.png", png(PNG_COLOR_TYPE_GRAY_ALPHA, 8, false)},
       {"rgb.jpg", jpeg(3, false)},
+      {"profile.png", png(PNG_COLOR_TYPE_RGB, 8, false, true)},
+      {"profile.jpg", jpeg(3, false, true)},
       {"progressive.jpg", jpeg(3, true)},
       {"grey.jpg", jpeg(1, false)},
       {"cmyk.jpg", jpeg(4, false)},

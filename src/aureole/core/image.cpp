@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 
+#include "aureole/core/color_profile.h"
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 #include "aureole/core/input_file.h"
@@ -117,6 +118,9 @@ Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, s
     const UnfilledVector<unsigned char> bytes = read_bytes(file);
     Image image = decode(bytes, attributes, max_pixels);
     if (image.conversion && colors == ImageColors::srgb) convert_to_srgb(image);
+    if (!image.profile.empty() && colors == ImageColors::srgb)
+      if (const std::string note = convert_from_profile(image, image.profile); !note.empty())
+        image.notes.push_back(note);
     return image;
   } catch (const Error& e) {
     if (!e.where().file.empty()) throw;
@@ -131,10 +135,18 @@ void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel p
   write_encoded(file, [&] { return codec::encode_exr(image, pixel, attributes); });
 }
 
-std::vector<char> encode_png(const Image& image) { return codec::encode_png(image); }
+std::vector<char> encode_png(const Image& image, int bits) { return codec::encode_png(image, bits); }
 
-void write_png(const std::filesystem::path& file, const Image& image) {
-  write_encoded(file, [&] { return codec::encode_png(image); });
+void write_png(const std::filesystem::path& file, const Image& image, int bits) {
+  write_encoded(file, [&] { return codec::encode_png(image, bits); });
+}
+
+void write_jpeg(const std::filesystem::path& file, const Image& image, int quality) {
+  write_encoded(file, [&] { return codec::encode_jpeg(image, quality); });
+}
+
+void write_tiff(const std::filesystem::path& file, const Image& image, TiffPixel pixel) {
+  write_encoded(file, [&] { return codec::encode_tiff(image, pixel); });
 }
 
 void write_hdr(const std::filesystem::path& file, const Image& image) {

@@ -29,6 +29,9 @@ struct Image {
   /// Set where the file states other primaries or an exposure. `read_image` applies it and adds its notes to
   /// the image's, unless asked for stored values.
   std::optional<ColorConversion> conversion{};
+  /// The ICC profile in the file, or one of the primaries and the transfer function that a PNG states. `read_image`
+  /// converts the colours to sRGB, with a note, unless asked for stored values.
+  std::vector<unsigned char> profile{};
   /// How the file was understood where that is not obvious, such as "the first of 12 pages is read".
   std::vector<std::string> notes{};
   std::string format{};     ///< of the file it was read from, such as "PNG, 8 bits per channel"
@@ -73,12 +76,23 @@ enum class ExrPixel { half, float32 };
 void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel pixel,
                const ExrAttributes& attributes);
 
-/// Writes an 8-bit PNG with one, three or four channels, whose values in [0, 1] are already encoded for
-/// display. The write is atomic.
-void write_png(const std::filesystem::path& file, const Image& image);
+/// Writes a PNG of 8 or 16 bits with one to four channels, whose values in [0, 1] are already encoded for display,
+/// marked as sRGB. The write is atomic.
+void write_png(const std::filesystem::path& file, const Image& image, int bits = 8);
 
 /// Returns the content of the file that `write_png` writes.
-std::vector<char> encode_png(const Image& image);
+std::vector<char> encode_png(const Image& image, int bits = 8);
+
+/// Writes a JPEG (R, G, B or Y, values in [0, 1] encoded for display) with the profile of sRGB. `quality` is from 1 to
+/// 100; from 90 on colours have full resolution. The write is atomic.
+void write_jpeg(const std::filesystem::path& file, const Image& image, int quality = 95);
+
+enum class TiffPixel { integer8, integer16, float32 };
+
+/// Writes a TIFF (deflate) with channels Y or R, G, B and perhaps A, and the profile of sRGB: integers of values in [0, 1]
+/// that are encoded for display, or linear floats. Alpha is multiplied into floats (associated) and not into integers. The
+/// write is atomic.
+void write_tiff(const std::filesystem::path& file, const Image& image, TiffPixel pixel);
 
 /// Writes R, G, B (or Y as grey) in Radiance's RGBE format: 8-bit mantissas with a common exponent. Negative
 /// values become 0. The write is atomic.

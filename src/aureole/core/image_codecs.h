@@ -3,7 +3,9 @@
 // file's name.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "aureole/core/image.h"
@@ -36,6 +38,12 @@ Image make_image(int width, int height, int channels, bool srgb_encoded, const V
   return image;
 }
 
+/// Returns a value in [0, 1] as an integer from 0 to the type's largest; NaN becomes 0.
+template <class Integer>
+Integer integer_value(float v) {
+  return v >= 0 ? Integer(std::min(v, 1.f) * float(std::numeric_limits<Integer>::max()) + 0.5f) : Integer(0);
+}
+
 /// The order in which a file stores its pixels.
 struct Orientation {
   bool transposed = false;   ///< stored lines are columns of the picture
@@ -55,7 +63,9 @@ Image read_hdr(Bytes bytes, std::size_t max_pixels);
 Image read_tga_bmp(Bytes bytes, std::size_t max_pixels);
 
 std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttributes& attributes);
-std::vector<char> encode_png(const Image& image);
+std::vector<char> encode_png(const Image& image, int bits);
+std::vector<char> encode_jpeg(const Image& image, int quality);
+std::vector<char> encode_tiff(const Image& image, TiffPixel pixel);
 /// Encode images whose channels are exactly R, G, B or Y.
 std::vector<char> encode_hdr(const Image& image);
 std::vector<char> encode_pfm(const Image& image);

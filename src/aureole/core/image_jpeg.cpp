@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csetjmp>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 // jpeglib.h requires size_t and FILE to be declared before it.
 #include <jerror.h>
 #include <jpeglib.h>
 
+#include "aureole/core/color_profile.h"
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 
@@ -21,7 +23,50 @@ struct JpegState {
   std::jmp_buf jump;
   char message[JMSG_LENGTH_MAX] = "";
   std::vector<unsigned char> data;
+  unsigned char* profile = nullptr;  ///< ICC profile of the file, freed by free()
+  unsigned profile_size = 0;
 };
+
+/// State of writing, with the same rule.
+struct JpegWriter {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  std::jmp_buf jump;
+  char message[JMSG_LENGTH_MAX] = "";
+  const unsigned char* data = nullptr;
+  const unsigned char* profile = nullptr;
+  unsigned profile_size = 0;
+  unsigned char* output = nullptr;  ///< freed by free()
+  unsigned long output_size = 0;
+};
+
+void on_write_error(j_common_ptr jpeg) {
+  auto* state = static_cast<JpegWriter*>(jpeg->client_data);
+  jpeg->err->format_message(jpeg, state->message);
+  std::longjmp(state->jump, 1);
+}
+
+bool write_all(JpegWriter& s, int width, int height, int channels, int quality) {
+  if (setjmp(s.jump)) return false;
+  jpeg_create_compress(&s.jpeg);
+  jpeg_mem_dest(&s.jpeg, &s.output, &s.output_size);
+  s.jpeg.image_width = JDIMENSION(width), s.jpeg.image_height = JDIMENSION(height);
+  s.jpeg.input_components = channels, s.jpeg.in_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg_set_defaults(&s.jpeg);
+  jpeg_set_quality(&s.jpeg, quality, TRUE);
+  s.jpeg.optimize_coding = TRUE;
+  if (quality >= 90 && channels == 3)
+    s.jpeg.comp_info[0].h_samp_factor = s.jpeg.comp_info[0].v_samp_factor = 1;
+  jpeg_start_compress(&s.jpeg, TRUE);
+  if (channels == 3) jpeg_write_icc_profile(&s.jpeg, s.profile, s.profile_size);
+  while (s.jpeg.next_scanline < s.jpeg.image_height) {
+    auto* row =
+        const_cast<JSAMPROW>(s.data + std::size_t(s.jpeg.next_scanline) * std::size_t(width * channels));
+    jpeg_write_scanlines(&s.jpeg, &row, 1);
+  }
+  jpeg_finish_compress(&s.jpeg);
+  return true;
+}
 
 void on_error(j_common_ptr jpeg) {
   auto* state = static_cast<JpegState*>(jpeg->client_data);
@@ -41,7 +86,9 @@ bool read_header(JpegState& s, Bytes bytes) {
   if (setjmp(s.jump)) return false;
   jpeg_create_decompress(&s.jpeg);
   jpeg_mem_src(&s.jpeg, bytes.data(), static_cast<unsigned long>(bytes.size()));
+  jpeg_save_markers(&s.jpeg, JPEG_APP0 + 2, 0xFFFF);
   jpeg_read_header(&s.jpeg, TRUE);
+  if (!jpeg_read_icc_profile(&s.jpeg, &s.profile, &s.profile_size)) s.profile_size = 0;
   const bool cmyk = s.jpeg.jpeg_color_space == JCS_CMYK || s.jpeg.jpeg_color_space == JCS_YCCK;
   s.jpeg.out_color_space = s.jpeg.num_components == 1 ? JCS_GRAYSCALE : cmyk ? JCS_CMYK : JCS_RGB;
   return true;
@@ -69,7 +116,10 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   s.jpeg.client_data = &s;
   struct Guard {
     JpegState& s;
-    ~Guard() { jpeg_destroy_decompress(&s.jpeg); }
+    ~Guard() {
+      jpeg_destroy_decompress(&s.jpeg);
+      std::free(s.profile);
+    }
   } guard{s};
   const auto check = [&](bool good) {
     if (!good) throw Error(std::string("damaged JPEG: ") + s.message);
@@ -91,8 +141,39 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
                                     const unsigned char* pixel = v + i / 3 * 4;
                                     return float(pixel[i % 3]) * float(pixel[3]) / (255.f * 255.f);
                                   });
+  if (components != 4)
+    image.profile.assign(s.profile, s.profile + s.profile_size);
+  else if (s.profile_size > 0)
+    image.notes.push_back("the colour profile of the JPEG's four inks is not used");
   image.format = components == 4 ? "JPEG, 8 bits per channel, four inks (CMYK)" : "JPEG, 8 bits per channel";
   return image;
+}
+
+std::vector<char> encode_jpeg(const Image& image, int quality) {
+  const int channels = int(image.channel_count());
+  if (channels != 1 && channels != 3)
+    throw Error("a JPEG has one or three channels, not " + std::to_string(channels));
+  if (image.width <= 0 || image.height <= 0 || image.width > 65500 || image.height > 65500)
+    throw Error("a JPEG has 1 to 65500 pixels a side, not " + std::to_string(image.width) + " x " +
+                std::to_string(image.height));
+  std::vector<unsigned char> data(image.pixels.size());
+  for (std::size_t i = 0; i < data.size(); ++i) data[i] = integer_value<unsigned char>(image.pixels[i]);
+  const std::vector<unsigned char>& profile = srgb_profile(false);
+  JpegWriter s;
+  s.jpeg.err = jpeg_std_error(&s.errors);
+  s.errors.error_exit = on_write_error;
+  s.jpeg.client_data = &s;
+  s.data = data.data(), s.profile = profile.data(), s.profile_size = unsigned(profile.size());
+  struct Guard {
+    JpegWriter& s;
+    ~Guard() {
+      jpeg_destroy_compress(&s.jpeg);
+      std::free(s.output);
+    }
+  } guard{s};
+  if (!write_all(s, image.width, image.height, channels, quality))
+    throw Error(std::string("the JPEG cannot be made: ") + s.message);
+  return {s.output, s.output + s.output_size};
 }
 
 }  // namespace aureole::codec

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 
+#include "aureole/core/color_profile.h"
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 
@@ -36,6 +37,40 @@ toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
 }
 int on_close(thandle_t) { return 0; }
 toff_t on_size(thandle_t handle) { return static_cast<Memory*>(handle)->bytes.size(); }
+
+/// A file that grows in memory.
+struct Growing {
+  std::vector<char> bytes;
+  std::size_t position = 0;
+};
+
+tmsize_t on_append(thandle_t handle, void* from, tmsize_t n) {
+  auto& g = *static_cast<Growing*>(handle);
+  if (g.position + std::size_t(n) > g.bytes.size()) g.bytes.resize(g.position + std::size_t(n));
+  std::memcpy(g.bytes.data() + g.position, from, std::size_t(n));
+  g.position += std::size_t(n);
+  return n;
+}
+tmsize_t on_read_back(thandle_t handle, void* to, tmsize_t n) {
+  auto& g = *static_cast<Growing*>(handle);
+  const std::size_t count = std::min(g.bytes.size() - std::min(g.position, g.bytes.size()), std::size_t(n));
+  std::memcpy(to, g.bytes.data() + g.position, count);
+  g.position += count;
+  return tmsize_t(count);
+}
+toff_t on_seek_growing(thandle_t handle, toff_t offset, int whence) {
+  auto& g = *static_cast<Growing*>(handle);
+  const std::size_t base = whence == SEEK_CUR ? g.position : whence == SEEK_END ? g.bytes.size() : 0;
+  g.position = base + std::size_t(offset);
+  return g.position;
+}
+toff_t size_of_growing(thandle_t handle) { return static_cast<Growing*>(handle)->bytes.size(); }
+
+/// libtiff would print messages to stderr; errors of ours are sufficient.
+void silence() {
+  static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
+  (void)quiet;
+}
 
 struct Layout {
   std::uint32_t width = 0, height = 0;
@@ -161,9 +196,7 @@ int page_count(TIFF* tiff) {
 }  // namespace
 
 Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) {
-  // libtiff would print messages to stderr; the error below is sufficient.
-  static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
-  (void)quiet;
+  silence();
   Memory memory{bytes};
   const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(
       TIFFClientOpen("image", "rm", &memory, on_read, on_write, on_seek, on_close, on_size, nullptr, nullptr),
@@ -211,6 +244,16 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
                 std::to_string(l.format) + ", photometric interpretation " + std::to_string(l.photometric) +
                 " are not supported; unsigned and signed integers and floats of grey and RGB are");
   }
+  const void* profile = nullptr;
+  std::uint32_t profile_size = 0;
+  const bool keeps_colors = is_plain && !logarithmic && (image.channel("R") >= 0 || image.channel("Y") >= 0);
+  if (TIFFGetField(tiff.get(), TIFFTAG_ICCPROFILE, &profile_size, &profile) && profile_size > 0) {
+    const auto* bytes_of = static_cast<const unsigned char*>(profile);
+    if (keeps_colors)
+      image.profile.assign(bytes_of, bytes_of + profile_size);
+    else
+      image.notes.push_back("the colour profile of this kind of TIFF is not used");
+  }
   image.format = "TIFF, " + std::to_string(l.bits) +
                  (real        ? "-bit float"
                   : is_signed ? "-bit signed integer"
@@ -219,6 +262,61 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   if (const int pages = page_count(tiff.get()); pages > 1)
     image.notes.push_back("the first of " + std::to_string(pages) + " pages of the TIFF is read");
   return image;
+}
+
+std::vector<char> encode_tiff(const Image& image, TiffPixel pixel) {
+  silence();
+  const int channels = int(image.channel_count());
+  if (channels < 1 || channels > 4)
+    throw Error("a TIFF is written with one to four channels, not " + std::to_string(channels));
+  if (image.width <= 0 || image.height <= 0) throw Error("the image has no pixels");
+  Growing file;
+  const bool is_real = pixel == TiffPixel::float32;
+  const std::size_t bytes = pixel == TiffPixel::integer8 ? 1 : is_real ? 4 : 2;
+  // Offsets of the classic format end at 4 GB.
+  const bool is_big = double(image.pixels.size()) * double(bytes) > 3.9e9;
+  TIFF* const tiff = TIFFClientOpen("image", is_big ? "w8" : "w", &file, on_read_back, on_append,
+                                    on_seek_growing, on_close, size_of_growing, nullptr, nullptr);
+  if (!tiff) throw Error("the TIFF cannot be made");
+  const std::vector<unsigned char>& profile = srgb_profile(is_real);
+  const bool has_alpha = channels == 2 || channels == 4;
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, image.width);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, image.height);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, int(8 * bytes));
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, channels);
+  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, is_real ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, channels < 3 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+  TIFFSetField(tiff, TIFFTAG_PREDICTOR, is_real ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0));
+  if (has_alpha) {
+    const std::uint16_t kind = is_real ? EXTRASAMPLE_ASSOCALPHA : EXTRASAMPLE_UNASSALPHA;
+    TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
+  }
+  if (channels >= 3) TIFFSetField(tiff, TIFFTAG_ICCPROFILE, std::uint32_t(profile.size()), profile.data());
+  const std::size_t row_values = std::size_t(image.width) * std::size_t(channels);
+  std::vector<unsigned char> row(row_values * bytes);
+  bool good = true;
+  for (int y = 0; y < image.height && good; ++y) {
+    const float* values = image.pixels.data() + std::size_t(y) * row_values;
+    for (std::size_t i = 0; i < row_values; ++i) {
+      if (pixel == TiffPixel::integer8) {
+        row[i] = integer_value<unsigned char>(values[i]);
+      } else if (is_real) {
+        std::memcpy(row.data() + 4 * i, values + i, 4);
+      } else {
+        const std::uint16_t v = integer_value<std::uint16_t>(values[i]);
+        std::memcpy(row.data() + 2 * i, &v, 2);
+      }
+    }
+    good = TIFFWriteScanline(tiff, row.data(), std::uint32_t(y), 0) >= 0;
+  }
+  good = TIFFWriteDirectory(tiff) && good;
+  TIFFClose(tiff);
+  if (!good) throw Error("the TIFF cannot be made");
+  return std::move(file.bytes);
 }
 
 }  // namespace aureole::codec
