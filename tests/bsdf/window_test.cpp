@@ -80,6 +80,34 @@ TEST(Windows, ColoursAreKept) {
   EXPECT_GT(brdf(*bsdf, a, b, s), 0.01);
 }
 
+// A colour without one of its parts, and colours of trees, are not passed over in silence.
+TEST(Windows, UnusedPartsAreNoted) {
+  const auto notes_of = [](const std::string& file, const std::string& from, const std::string& to) {
+    std::ifstream in(window_data(file));
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::size_t at = text.rfind(from);
+    if (at != std::string::npos) text.replace(at, from.size(), to);
+    const std::string path = ::testing::TempDir() + "noted.xml";
+    std::ofstream(path) << text;
+    Diagnostics diagnostics;
+    build<Bsdf>(std::string("<bsdf type=\"") +
+                    (file.find("tree") != std::string::npos ? "tensor_tree" : "klems") +
+                    "\"><string name=\"filename\" value=\"" + path + "\"/></bsdf>",
+                make_context(360, 830, &diagnostics));
+    std::string all;
+    for (const std::string& note : diagnostics.notes()) all += note + "\n";
+    return all;
+  };
+  EXPECT_EQ(notes_of("shade_colour.xml", "no such text", "").find("some have not all"), std::string::npos);
+  EXPECT_NE(notes_of("shade_colour.xml", ">CIE-Z<", ">Solar<").find("some have not all"), std::string::npos);
+  EXPECT_NE(notes_of("shade_colour.xml", ">CIE-Z<", ">Solar<").find("the range \"Solar\""),
+            std::string::npos);
+  EXPECT_NE(notes_of("shade_tree3.xml", ">Visible<", ">CIE-X<").find("of tensor trees are not used"),
+            std::string::npos);
+  EXPECT_NE(notes_of("shade_klems.xml", "no such text", "").find("used at all wavelengths"),
+            std::string::npos);
+}
+
 std::string window_error(const std::string& file, const std::function<void(std::string&)>& damage) {
   std::ifstream in(window_data(file));
   std::string text{std::istreambuf_iterator<char>(in), {}};
