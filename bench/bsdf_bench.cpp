@@ -171,6 +171,11 @@ std::string film(const std::string& more) {
       <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/>)" +
          more + "</bsdf>";
 }
+// Files of the tests: run from the repository's root.
+std::string of_file(const std::string& type, const std::string& file) {
+  return "<bsdf type=\"" + type + "\"><string name=\"filename\" value=\"tests/bsdf/data/measured/" + file +
+         "\"/></bsdf>";
+}
 const char* const kRough = R"(<string name="alpha" value="0.3"/>)";
 std::string coat(const std::string& interface, const std::string& reflectance) {
   return R"(<bsdf type="layered"><string name="thickness" value="20um"/>
@@ -207,6 +212,14 @@ const std::vector<std::pair<std::string, std::string>> kBsdfs = {
       <string name="width" value="7um"/><string name="height" value="7um"/><float name="fraction" value="0.5"/></aperture>
       <aperture type="circle"><string name="radius" value="5um"/><float name="fraction" value="0.5"/></aperture>
       <texture type="checkerboard" name="area_fraction"><float name="color0" value="0.3"/><float name="color1" value="0.5"/></texture></bsdf>)"},
+    {"roughconductor, Al", R"(<bsdf type="roughconductor"><string name="material" value="Al"/>
+      <string name="distribution" value="ggx"/><float name="alpha" value="0.2"/></bsdf>)"},
+    {"measured, isotropic", of_file("measured", "golden_paint.bsdf")},
+    {"measured, anisotropic", of_file("measured", "anisotropic_spectral.bsdf")},
+    {"merl", of_file("merl", "small_merl.binary")},
+    {"klems", of_file("klems", "shade_klems.xml")},
+    {"tensor_tree", of_file("tensor_tree", "shade_tree4.xml")},
+    {"tabulated", of_file("tabulated", "glossy_table.csv")},
     {"coat of roughplastic", roughplastic(R"(<rgb name="diffuse_reflectance" value="0.2, 0.25, 0.7"/>)")},
     {"coat of paint, opaque", R"(<bsdf type="paint"><float name="alpha" value="0.2"/>
       <string name="recipe" value="blue green shade: 1 + white: 10"/></bsdf>)"},

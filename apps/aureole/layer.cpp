@@ -23,6 +23,7 @@
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "command.h"
+#include "find_bsdf.h"
 #include "messages.h"
 #include "wavelength_steps.h"
 
@@ -36,25 +37,6 @@ struct LayerOptions {
   std::vector<double> at{0.5, 0.5};
   int samples = 1 << 16;
 };
-
-/// Returns the BSDF with that id, or the BSDF of the shape with that id.
-std::shared_ptr<const Bsdf> find_bsdf(const LoadedObjects& loaded, const std::string& file,
-                                      const std::string& id) {
-  std::vector<std::string> known;
-  for (const auto& [its_id, object] : loaded.objects) {
-    const auto asset = std::dynamic_pointer_cast<const Asset>(object);
-    const bool has_parts = asset && !asset->primitives().empty();
-    const auto bsdf = has_parts ? asset->primitives()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(object);
-    if (!bsdf || its_id.empty()) continue;
-    if (its_id == id) return bsdf;
-    known.push_back(its_id);
-  }
-  throw Error({file, 0, 0},
-              (id.empty() ? "name a BSDF or a shape after \"#\""
-                          : "no BSDF or shape has the id \"" + id + "\"" + did_you_mean(id, known)) +
-                  (known.empty() ? "; none of this scene has an id"
-                                 : fmt::format("; there are {}", fmt::join(known, ", "))));
-}
 
 /// X, Y, Z of the illuminant times a spectral fraction, relative to the illuminant's Y.
 std::array<double, 3> tristimulus(const std::vector<LightBudget>& rows, const SampledSpectrum& lamp,

@@ -81,6 +81,10 @@ Corpus::Corpus(const fs::path& source) {
   for (const fs::path& folder : folders) add_data_files(folder);
   const fs::path heads = source / "tests/volume/data/heads";
   add_data_files(heads);
+  // Measured materials, among them files in XML that are no scenes.
+  for (const fs::path& file : files_below(source / "tests/bsdf/data/measured"))
+    if (file.extension() != ".py" && file.extension() != ".txt" && fs::file_size(file) <= kLargestFile)
+      data_.emplace_back(file.filename().string(), std::make_shared<std::string>(read_whole(file)));
 
   group_begin_.push_back(0);
   for (const fs::path& folder : folders)

@@ -15,6 +15,9 @@ const std::filesystem::path& aureole_binary() {
 
 std::filesystem::path example_file(const std::string& name) {
   const std::filesystem::path wanted = name;
+  if (const auto measured = source_dir() / "tests/bsdf/data/measured" / wanted;
+      std::filesystem::exists(measured))
+    return measured;
   std::filesystem::path found;
   for (const char* folder : {"tests/references/scenes", "tests/volume/data/heads"}) {
     if (!found.empty()) break;

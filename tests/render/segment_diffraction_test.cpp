@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "aureole/optics/faddeeva.h"
+#include "harness/effort.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
 

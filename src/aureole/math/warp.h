@@ -62,6 +62,15 @@ inline DiscPoint square_to_disc_concentric(Vec2 u) {
   return {x_major ? Vec2{along, across} : Vec2{across, along}, std::abs(r)};
 }
 inline float square_to_disc_pdf() { return kInvPi; }
+/// The inverse of `square_to_disc_concentric`, for points of the unit disc.
+inline Vec2 disc_to_square_concentric(Vec2 p) {
+  const float radius = std::sqrt(p.x * p.x + p.y * p.y), ax = std::abs(p.x), ay = std::abs(p.y);
+  if (!(radius > 0)) return {0.5f, 0.5f};
+  const float major = ax > ay ? std::copysign(radius, p.x) : std::copysign(radius, p.y);
+  const float minor = major * (4 * kInvPi) * std::atan(ax > ay ? p.y / p.x : p.x / p.y);
+  const Vec2 s = ax > ay ? Vec2{major, minor} : Vec2{minor, major};
+  return {0.5f * s.x + 0.5f, 0.5f * s.y + 0.5f};
+}
 
 /// Maps to the upper hemisphere with pdf cos(theta)/pi; z is always positive.
 inline Vec3 square_to_cosine_hemisphere(Vec2 u) {

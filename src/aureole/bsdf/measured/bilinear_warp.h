@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sampling of tables over the unit square: J. Dupuy and W. Jakob, "An adaptive parameterization for efficient material
+// acquisition and rendering", ACM TOG 37(6), 2018, section 4 and appendix. A table is bilinear between its nodes, and
+// its pdf is sampled exactly: y by the marginal distribution, then x by the conditional one. Several tables (slices)
+// belong to nodes of two parameters, such as azimuth and angle of incidence, and are blended linearly between them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "aureole/math/vec.h"
+
+namespace aureole {
+
+/// The slices of a table that belong to a pair of parameters, and their weights, which add up to one.
+struct SliceBlend {
+  std::array<std::uint32_t, 4> slice{};
+  std::array<float, 4> weight{};
+  int count = 0;
+};
+
+/// Nodes of the two parameters. Slices are ordered by the first one, then by the second.
+struct SliceNodes {
+  std::vector<float> first, second;
+
+  std::size_t count() const { return first.size() * second.size(); }
+  /// Parameters outside of the nodes count as those of the nearest node. Slices without weight are left out.
+  SliceBlend at(float a, float b) const;
+};
+
+/// The index i of the interval [nodes[i], nodes[i+1]] that contains x, and the position within it, in [0, 1]. 0 for a
+/// single node.
+struct NodePlace {
+  std::size_t index = 0;
+  float fraction = 0;
+};
+NodePlace place_among(std::span<const float> nodes, float x);
+
+/// Tables of width x height values over the unit square with values at its corners and edges.
+class BilinearWarp {
+public:
+  BilinearWarp() = default;
+  /// `values`: slices one after the other, each row by row; none is negative. Each slice is scaled to the integral 1;
+  /// a slice of zeros becomes the constant 1. `width` and `height` are 2 or more.
+  BilinearWarp(int width, int height, std::size_t slices, std::span<const float> values);
+
+  struct Point {
+    Vec2 p;
+    float pdf = 0;  ///< with respect to the area of the unit square
+  };
+  /// Maps a uniform point of the unit square to a point distributed as the blend of slices.
+  Point sample(Vec2 u, const SliceBlend& blend) const;
+  /// The inverse of `sample`: the uniform point that is mapped to `p`, with the pdf at p.
+  Point invert(Vec2 p, const SliceBlend& blend) const;
+  /// The pdf at `p`.
+  float pdf(Vec2 p, const SliceBlend& blend) const;
+  int width() const { return width_; }
+  int height() const { return height_; }
+  std::size_t bytes() const { return nodes_.size() * sizeof(Node) + rows_.size() * sizeof(Row); }
+
+private:
+  /// A value, and the integral of its row from the left edge to it.
+  struct Node {
+    float value, cumulated;
+  };
+  /// The integral of a row, and the integral of the table from the lower edge to it.
+  struct Row {
+    float integral, cumulated;
+  };
+  int width_ = 0, height_ = 0;
+  std::vector<Node> nodes_;
+  std::vector<Row> rows_;
+};
+
+/// A table over the unit square that is evaluated alone: bilinear, with values as given.
+class BilinearTable {
+public:
+  BilinearTable() = default;
+  BilinearTable(int width, int height, std::vector<float> values)
+      : width_(width), height_(height), values_(std::move(values)) {}
+  float at(Vec2 p) const;
+
+private:
+  int width_ = 0, height_ = 0;
+  std::vector<float> values_;
+};
+
+/// The cell of a grid of nodes over [0, 1] that contains x, and the position within it.
+struct GridCell {
+  int index;
+  float fraction;
+
+  GridCell(float x, int nodes) {
+    // The comparison is false for NaN, too.
+    const float scaled = x > 0 ? std::min(x, 1.f) * float(nodes - 1) : 0.f;
+    index = std::min(int(scaled), nodes - 2);
+    fraction = scaled - float(index);
+  }
+};
+
+}  // namespace aureole

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// A BRDF of RGL's material database, ready to be evaluated and sampled.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/measured/bilinear_warp.h"
+#include "aureole/bsdf/measured/rgl_file.h"
+#include "aureole/bsdf/measured/spectral_nodes.h"
+
+namespace aureole {
+
+/// Directions are in the local frame. The table's direction of incidence is `wi`; the light may travel either way, since
+/// the measured surfaces are reciprocal but for errors of measurement.
+class RglTable {
+public:
+  /// Throws Error without a location for a range of azimuths that is neither the circle, half of it nor a quarter.
+  RglTable(const RglFile& file, const SpectralGrid& grid);
+
+  /// f |cos theta_o| of light between wi and wo, both above the surface.
+  Spectrum value(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
+  /// f |cos theta_o| of the three channels of a file in linear sRGB.
+  std::array<float, 3> rgb(const Vec3& wi, const Vec3& wo) const;
+  /// The pdf [1/sr] with which `sample` chooses wo.
+  float pdf(const Vec3& wi, const Vec3& wo) const;
+  /// Both of them, with `value` as that of `value`.
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
+  /// Samples a direction; it may lie below the surface.
+  Vec3 sample(const Vec3& wi, Vec2 u) const;
+  /// Whether values change when both directions turn about the normal.
+  bool depends_on_azimuth() const { return nodes_.first.size() > 1; }
+  std::size_t bytes() const;
+
+private:
+  /// A direction of incidence moved into the measured range of azimuths by the signs of x and y.
+  struct Incidence {
+    Vec3 wi;
+    float sign_x = 1, sign_y = 1;
+    float cos_phi, sin_phi;  ///< of the azimuth from which isotropic tables count those of half vectors
+    Vec2 square;             ///< its coordinates in the unit square
+    SliceBlend blend;
+  };
+  /// A half vector in the square, and its point in the square that the vndf maps to it.
+  struct HalfVector {
+    Vec2 square, uniform;
+    float pdf = 0;   ///< pdf of the vndf at `square`
+    float area = 0;  ///< 4 (wi.m) dm / d(square): solid angle of wo per area of the square
+  };
+  Incidence incidence(const Vec3& wi) const;
+  HalfVector half_vector(const Incidence& i, const Vec3& wo) const;
+  float factor(const Incidence& i, const HalfVector& h) const;
+  float density(const Incidence& i, const HalfVector& h) const;
+  Spectrum spectrum(const Incidence& i, Vec2 uniform, const Wavelengths& w) const;
+  std::array<float, 3> channels(const Incidence& i, Vec2 uniform) const;
+
+  bool is_isotropic_ = true, is_relative_ = true, is_spectral_ = false;
+  int symmetry_ = 1;  ///< 1: all azimuths are measured, 2: half of them, 4: a quarter
+  SliceNodes nodes_;
+  BilinearTable ndf_, sigma_;
+  BilinearWarp vndf_, luminance_;
+  int width_ = 0, height_ = 0;
+  std::size_t stride_ = 0;  ///< numbers of `spectra_` for each node of the square
+  SpectralNodes wavelengths_;
+  std::array<SampledSpectrum, 3> primaries_;  ///< of files in linear sRGB
+  std::vector<float> spectra_;                ///< slice, row, column, channel
+};
+
+}  // namespace aureole

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// A BSDF that was measured for any set of outgoing directions, resampled to a grid of half vectors.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/measured/bilinear_warp.h"
+#include "aureole/bsdf/measured/spectral_nodes.h"
+#include "aureole/math/vec.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+/// Measurements as they stand in a table of text: f [1/sr] without a cosine.
+struct ScatteredMeasurements {
+  struct Direction {
+    double theta_i, phi_i, theta_o,
+        phi_o;  ///< [degrees] from the normal and from the x axis; theta_o > 90: transmitted
+    int line;
+  };
+  std::vector<Direction> directions;
+  std::vector<float> values;  ///< for each direction and channel
+  std::vector<double> nm;     ///< wavelengths; empty: one channel for all, or red, green, blue
+  std::size_t channels = 0;
+  std::size_t negative = 0;  ///< values below zero, which count as zero
+};
+
+/// Reads a table with the columns theta_i, theta_o, optionally phi_i and phi_o, and values: wavelengths ("550nm"), "r", "g"
+/// and "b", or one column "f". `has_cosine`: values are f cos(theta_o), as radiant intensities are. Throws Error located
+/// at the line.
+ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& file, bool has_cosine);
+
+/// Values for pairs of directions on the sides of +z: reflected, or transmitted and mirrored to positive z. Outgoing
+/// directions are triangulated in the projected disc (Delaunay) and interpolated linearly; beyond the outermost ones the
+/// value of the nearest one is kept. Between directions of incidence, values of equal half vectors are interpolated.
+class ScatteredTable {
+public:
+  ScatteredTable() = default;
+  /// Throws Error located at `file`. `transmitted` chooses the measurements; none: the table is empty.
+  ScatteredTable(const ScatteredMeasurements& measured, bool transmitted, const std::string& file,
+                 const SpectralGrid& grid);
+
+  bool empty() const { return values_.empty(); }
+  bool is_isotropic() const { return is_isotropic_; }
+  bool was_mirrored() const {
+    return was_mirrored_;
+  }  ///< azimuths covered half of the circle and were mirrored
+  /// f at the wavelengths of a spectral table.
+  Spectrum spectrum(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
+  /// f of a table with one channel or three; one channel is returned three times.
+  std::array<float, 3> colour(const Vec3& wi, const Vec3& wo) const;
+  /// The mean of the channels.
+  float mean(const Vec3& wi, const Vec3& wo) const;
+  std::size_t bytes() const { return values_.size() * sizeof(float); }
+
+private:
+  /// Calls visit(node, weight) for the nodes around a pair of directions.
+  template <class Visit>
+  void visit_nodes(const Vec3& wi, const Vec3& wo, Visit&& visit) const;
+
+  bool is_isotropic_ = true, was_mirrored_ = false;
+  SliceNodes nodes_;
+  std::size_t stride_ = 0;
+  SpectralNodes wavelengths_;
+  std::vector<float> values_;  ///< slice, row, column, channel
+};
+
+}  // namespace aureole

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Questions of the writers of measured formats to a BSDF: f for pairs of directions and a list of wavelengths, and how far it
+// is reciprocal and conserves energy.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+
+namespace aureole {
+
+/// Evaluates a BSDF at one point of its surface. Delta lobes are left out.
+class ScatteringProbe {
+public:
+  /// `nm` is not empty. `make_reciprocal`: values are the means of both directions of the light.
+  ScatteringProbe(std::shared_ptr<const Bsdf> bsdf, const SpectralGrid& grid, std::vector<double> nm,
+                  bool make_reciprocal);
+
+  const std::vector<double>& nm() const { return nm_; }
+  std::size_t channels() const { return nm_.size(); }
+  const Bsdf& bsdf() const { return *bsdf_; }
+  const SpectralGrid& grid() const { return grid_; }
+
+  /// Sets out[c] to f [1/sr], without the cosine, at wavelength c, of radiance mode: a table of these values, with wi as
+  /// its direction of incidence, gives the pictures that the BSDF gives. Directions may lie on any side.
+  void f(const Vec3& wi, const Vec3& wo, std::vector<double>& out) const;
+  /// The mean of f over the wavelengths.
+  double mean(const Vec3& wi, const Vec3& wo) const;
+
+private:
+  std::shared_ptr<const Bsdf> bsdf_;
+  SpectralGrid grid_;
+  std::vector<double> nm_;
+  std::vector<Wavelengths> sets_;  ///< of kWavelengths each; the last one repeats its last wavelength
+  SurfacePoint point_;
+  bool make_reciprocal_;
+};
+
+/// Faults of a BSDF as a table: they are reported, never repaired unless the user asks for it.
+struct ScatteringReport {
+  /// Scattered fraction of light, the largest over the wavelengths, for an angle of incidence [degrees] from +z.
+  struct Energy {
+    double angle, reflected, transmitted;
+  };
+  std::vector<Energy> energies;
+  /// |f(i, o) - f(o, i)| / (f(i, o) + f(o, i)) over pairs of directions: the mean weighted by f and the cosines, and the
+  /// largest among pairs with at least 1 % of the largest f.
+  double mean_asymmetry = 0, largest_asymmetry = 0;
+  bool is_isotropic =
+      true;  ///< f does not change by more than 0.1 % when both directions turn about the normal
+  bool has_delta = false, transmits = false, reflects_below = false;
+  bool refracts = false;  ///< there are different indices of refraction on the two sides
+
+  double largest_energy() const;
+};
+ScatteringReport examine(const ScatteringProbe& probe);
+
+/// A few sentences about the report.
+std::string report_text(const ScatteringReport& report);
+
+}  // namespace aureole
