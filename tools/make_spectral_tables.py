@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Write src/aureole/spectrum/data/{cie_1931_observer,cie_1964_observer,illuminants}.inc from the colour-science package.
+"""Write src/aureole/spectrum/data/{cie_1931_observer,cie_1964_observer,cie_1951_scotopic,illuminants}.inc from the colour-science package.
 
     python tools/make_spectral_tables.py [output directory]
 
@@ -96,6 +96,18 @@ def write_observer(directory, year, degrees, standard, name):
     print(" ", source)
 
 
+def write_scotopic(directory):
+    name = "CIE 1951 scotopic luminous efficiency, {:.0f}-{:.0f} nm in steps of 1 nm: CIE 018:2019 / ISO 23539"
+    sd = colour.colorimetry.SDS_LEFS_SCOTOPIC["CIE 1951 Scotopic Standard Observer"]
+    first, last = sd.wavelengths[0], sd.wavelengths[-1]
+    assert np.array_equal(sd.wavelengths, np.arange(first, last + 1))
+    source = name.format(first, last)
+    text = LICENCE + MADE_BY + f"// {source}.\nconstexpr double kScotopicStart = {first:.0f};\n"
+    text += f"constexpr double kScotopic[{len(sd.values)}] = {{\n{wrapped(sd.values)}\n}};\n"
+    write(directory / "cie_1951_scotopic.inc", text)
+    print(" ", source)
+
+
 def write_illuminants(directory):
     text = LICENCE + MADE_BY + "// Relative spectral power, as published. Sources stand above each table.\n"
     rows = []
@@ -121,4 +133,5 @@ if __name__ == "__main__":
     print("colour-science", colour.__version__)
     write_observer(target, 1931, 2, "CIE 018:2019 / ISO/CIE 11664-1", "kObserver")
     write_observer(target, 1964, 10, "CIE 15:2004, table T.5 / ISO/CIE 11664-1", "kObserver10")
+    write_scotopic(target)
     write_illuminants(target)

@@ -32,7 +32,8 @@ bool takes_spectra(const ParameterDoc& row) {
 }
 /// Light, and what responds to it.
 bool is_zero_outside(const std::string& parameter) {
-  return std::set<std::string>{"radiance", "irradiance", "intensity", "emission", "srf"}.count(parameter) > 0;
+  return std::set<std::string>{"radiance", "irradiance", "intensity", "spectrum", "emission", "srf"}.count(
+             parameter) > 0;
 }
 /// Pictures and grids that no spectrum can replace.
 bool is_picture(const PluginInfo& p, const std::string& parameter) {

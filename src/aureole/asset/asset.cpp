@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <unordered_set>
 
+#include "aureole/emitter/light.h"
 #include "aureole/shape/mesh/file_materials.h"
 #include "aureole/shape/mesh/open_edges.h"
 #include "aureole/texture/texture.h"
@@ -284,6 +285,10 @@ void ShapeAsset::attach(GeometrySource& source) {
   if (emitter_) {
     primitives_[0].emitter = emitter_;
     primitives_[0].area = area_for(*emitter_, shape, AreaUse::emitter, source);
+    Light light;
+    light.emitter = emitter_.get(), light.shape = shape.get();
+    light.area = primitives_[0].area.get(), light.surface_area = light.area->area();
+    if (auto fitted = emitter_->fitted_to(light)) primitives_[0].emitter = std::move(fitted);
   }
   if (sensor_) {
     const AreaUse use = emitter_ ? AreaUse::emitter : AreaUse::sensor;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A surface that emits from its front, the side of its geometric normal.
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
@@ -11,10 +12,23 @@ namespace {
 
 class AreaEmitter final : public Emitter {
 public:
-  explicit AreaEmitter(const Properties& p)
-      : Emitter(p),
-        radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)),
-        is_constant_(radiance_->is_constant()) {}
+  explicit AreaEmitter(const Properties& p) : Emitter(p) {
+    const Emission emission(p, "radiance");
+    amount_ = emission.amount();
+    is_flux_ = amount_ && amount_->quantity == EmissionAmount::Quantity::flux;
+    // A flux is divided by the area of the shape (`fitted_to`).
+    radiance_ = emission.scaled({.flux = per_square_unit(p) / M_PI, .irradiance = 1 / M_PI, .radiance = 1});
+    is_constant_ = radiance_->is_constant();
+  }
+
+  std::shared_ptr<const Emitter> fitted_to(const Light& light) const override {
+    if (!is_flux_) return nullptr;
+    if (!(light.surface_area > 0))
+      throw properties().error("amount", "the shape has no area from which it could emit this flux");
+    auto fitted = std::make_shared<AreaEmitter>(*this);
+    fitted->radiance_ = scaled_texture(radiance_, 1 / light.surface_area);
+    return fitted;
+  }
 
   std::size_t part_count(const Light& light) const override { return light.area->patch_count(); }
   std::size_t part_of(const Light& light, const SurfacePoint& point) const override {
@@ -102,7 +116,8 @@ private:
   }
 
   TexturePtr radiance_;
-  bool is_constant_;
+  std::optional<EmissionAmount> amount_;
+  bool is_constant_ = false, is_flux_ = false;
 };
 
 AUREOLE_PLUGIN(
@@ -111,10 +126,15 @@ AUREOLE_PLUGIN(
         .summary =
             "Area light: its parent shape emits the same radiance into all directions from its front side.",
         .source = "",
-        .parameters = {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
-                        "emitted spectral radiance; may be a texture"}},
+        .parameters = with_amount_parameters(
+            {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
+              "emitted spectral radiance; may be a texture"}},
+            "lm, W, lx, W/m^2, cd/m^2, W/(m^2 sr)",
+            "flux of the shape, exitance (flux per area, lx = lm/m^2) or radiance; of a texture the mean"),
         .examples =
-            {R"(<emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 700:18"/></emitter>)"},
+            {R"(<emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 700:18"/></emitter>)",
+             R"(<emitter type="area"><string name="amount" value="3000 cd/m^2"/><float name="color_temperature" value="4000"/></emitter>)",
+             R"(<emitter type="area"><string name="amount" value="36 W"/><float name="efficacy" value="110"/></emitter>)"},
         .needs_shape = true});
 
 }  // namespace

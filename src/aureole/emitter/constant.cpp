@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An environment of constant radiance: the same from every direction at infinity.
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
@@ -11,7 +12,7 @@ namespace {
 class ConstantEmitter final : public Emitter {
 public:
   explicit ConstantEmitter(const Properties& p)
-      : Emitter(p), radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)) {
+      : Emitter(p), radiance_(Emission(p, "radiance").scaled({.irradiance = 1 / M_PI, .radiance = 1})) {
     if (!radiance_->is_constant())
       throw p.error("radiance", "a constant emitter takes a spectrum, not a texture; use envmap");
   }
@@ -68,12 +69,17 @@ private:
   TexturePtr radiance_;
 };
 
-AUREOLE_PLUGIN(ConstantEmitter, "emitter", "constant",
-               PluginDoc{
-                   "Environment of constant radiance around the scene.",
-                   "",
-                   {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "spectral radiance"}},
-                   {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)"}});
+AUREOLE_PLUGIN(
+    ConstantEmitter, "emitter", "constant",
+    PluginDoc{
+        "Environment of constant radiance around the scene.",
+        "",
+        with_amount_parameters({{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
+                                 "spectral radiance"}},
+                               "cd/m^2, W/(m^2 sr), lx, W/m^2",
+                               "radiance, or the irradiance of a plane by the hemisphere before it"),
+        {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)",
+         R"(<emitter type="constant"><string name="amount" value="10 klx"/><float name="color_temperature" value="6500"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parallel light from infinity, such as sunlight without the angular size of the sun.
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -10,7 +11,7 @@ namespace {
 class DirectionalEmitter final : public Emitter {
 public:
   explicit DirectionalEmitter(const Properties& p)
-      : Emitter(p), irradiance_(get_texture(p, "irradiance", 1, SpectrumRole::emission)) {
+      : Emitter(p), irradiance_(Emission(p, "irradiance").scaled({.irradiance = 1})) {
     if (!irradiance_->is_constant()) throw p.error("irradiance", "expected a spectrum, not a texture");
     if (p.has("direction") && p.has("to_world"))
       throw p.error("direction", "give either \"direction\" or \"to_world\"");
@@ -62,12 +63,17 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Parallel light from infinity over the whole scene.",
         "",
-        {{"irradiance", "spectrum", "W/(m^2 nm), any common scale", "1",
-          "spectral irradiance of a surface perpendicular to the light"},
-         {"direction", "vector", "", "0, 0, 1", "direction in which the light travels"},
-         {"to_world", "transform", "", "identity", "instead of direction: the light travels along its +z"}},
+        with_amount_parameters({{"irradiance", "spectrum", "W/(m^2 nm), any common scale", "1",
+                                 "spectral irradiance of a surface perpendicular to the light"},
+                                {"direction", "vector", "", "0, 0, 1",
+                                 "direction in which the light travels"},
+                                {"to_world", "transform", "", "identity",
+                                 "instead of direction: the light travels along its +z"}},
+                               "lx, W/m^2", "irradiance of a surface perpendicular to the light"),
         {R"(<emitter type="directional"><vector name="direction" value="1, 0, -2"/><rgb name="irradiance" value="3, 3, 2.5"/></emitter>)",
-         R"(<emitter type="directional"><transform name="to_world"><lookat origin="0, 0, 5" target="1, 2, 0" up="0, 0, 1"/></transform></emitter>)"}});
+         R"(<emitter type="directional"><transform name="to_world"><lookat origin="0, 0, 5" target="1, 2, 0" up="0, 0, 1"/></transform></emitter>)",
+         R"(<emitter type="directional"><string name="amount" value="100 klx"/><float name="color_temperature" value="5800"/></emitter>)",
+         R"(<emitter type="directional"><string name="amount" value="800 W/m^2"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

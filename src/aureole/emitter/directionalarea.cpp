@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A shape that emits along its normals only. The probability to sample its directions by next-event
 // estimation is zero, so that only light tracing finds this light.
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/area_sampler.h"
@@ -11,10 +12,21 @@ namespace {
 
 class DirectionalAreaEmitter final : public Emitter {
 public:
-  explicit DirectionalAreaEmitter(const Properties& p)
-      : Emitter(p), radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)) {
+  explicit DirectionalAreaEmitter(const Properties& p) : Emitter(p) {
+    const Emission emission(p, "radiance");
+    is_flux_ = emission.amount() && emission.amount()->quantity == EmissionAmount::Quantity::flux;
+    radiance_ = emission.scaled({.flux = per_square_unit(p), .irradiance = 1});
     p.note("radiance",
            "only light tracing (integrator \"ptracer\") finds the light of a \"directionalarea\"");
+  }
+
+  std::shared_ptr<const Emitter> fitted_to(const Light& light) const override {
+    if (!is_flux_) return nullptr;
+    if (!(light.surface_area > 0))
+      throw properties().error("amount", "the shape has no area from which it could emit this flux");
+    auto fitted = std::make_shared<DirectionalAreaEmitter>(*this);
+    fitted->radiance_ = scaled_texture(radiance_, 1 / light.surface_area);
+    return fitted;
   }
 
   bool is_delta() const override { return true; }
@@ -68,6 +80,7 @@ public:
 
 private:
   TexturePtr radiance_;
+  bool is_flux_ = false;
 };
 
 AUREOLE_PLUGIN(
@@ -77,10 +90,14 @@ AUREOLE_PLUGIN(
             "Its parent shape emits along its normals only: a rectangle emits a parallel beam. Light tracing "
             "(`ptracer`, `bdpt`) finds this light; `path` and `direct` cannot.",
         .source = "",
-        .parameters =
+        .parameters = with_amount_parameters(
             {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
               "spectral exitance, the emitted power per area (the name is Mitsuba's); may be a texture"}},
-        .examples = {R"(<emitter type="directionalarea"><rgb name="radiance" value="4, 5, 6"/></emitter>)"},
+            "lm, W, lx, W/m^2", "flux of the shape, or exitance; of a texture the mean"),
+        .examples =
+            {R"(<emitter type="directionalarea"><rgb name="radiance" value="4, 5, 6"/></emitter>)",
+             R"(<emitter type="directionalarea"><string name="amount" value="5 W"/><float name="efficacy" value="80"/>
+    <float name="color_temperature" value="4000"/></emitter>)"},
         .needs_shape = true});
 
 }  // namespace

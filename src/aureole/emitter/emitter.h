@@ -4,6 +4,7 @@
 // selection chooses a part.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "aureole/medium/medium.h"
@@ -76,6 +77,9 @@ public:
 
   /// Whether it emits from the surface of its parent shape. Other emitters cannot be children of shapes.
   bool sits_on_shape() const;
+  /// For an emitter on a shape whose emission depends on the shape, such as one of a given flux: a copy for that shape,
+  /// of which `light` has the data. Null: the emitter itself holds for every shape. Throws Error.
+  virtual std::shared_ptr<const Emitter> fitted_to(const Light& /*light*/) const { return nullptr; }
   virtual bool is_infinite() const { return false; }
   /// Whether it emits from a single point or into a single direction, so that no ray can hit it by chance.
   virtual bool is_delta() const { return false; }
@@ -120,6 +124,11 @@ public:
   /// Power spectrum of the light on the scene's grid, in W/nm or another scale common to all emitters.
   virtual SampledSpectrum power_spectrum(const Light& light) const = 0;
   virtual EmissionBounds emission_bounds(const Light& light, std::size_t part) const = 0;
+
+protected:
+  /// For `fitted_to`.
+  Emitter(const Emitter& other)
+      : Object(other.properties()), sampling_weight_(other.sampling_weight_), medium_(other.medium_) {}
 
 private:
   float sampling_weight_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An isotropic point light: equal intensity in all directions.
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
@@ -10,14 +11,17 @@ namespace {
 
 class PointEmitter final : public Emitter {
 public:
-  explicit PointEmitter(const Properties& p)
-      : Emitter(p), intensity_(get_texture(p, "intensity", 1, SpectrumRole::emission)) {
+  explicit PointEmitter(const Properties& p) : Emitter(p) {
+    const Emission emission(p, "intensity");
+    intensity_ = emission.texture();
     if (!intensity_->is_constant()) throw p.error("intensity", "expected a spectrum, not a texture");
     const Transform to_world = p.get_transform("to_world");
     if (p.has("position") && p.has("to_world"))
       throw p.error("position", "give either \"position\" or \"to_world\"");
     position_ =
         p.has("position") ? p.get_vec3("position", {}) : (p.find("position"), to_world.point({0, 0, 0}));
+    const double per_unit = per_square_unit(p);
+    intensity_ = emission.scaled({.flux = per_unit / (4 * M_PI), .intensity = per_unit});
   }
 
   bool is_delta() const override { return true; }
@@ -70,12 +74,16 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Isotropic point light.",
         "",
-        {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
-         {"position", "vector", "scene units", "0, 0, 0", "position of the light"},
-         {"to_world", "transform", "", "identity",
-          "instead of position: the position is the transformed origin"}},
+        with_amount_parameters({{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
+                                 "spectral radiant intensity"},
+                                {"position", "vector", "scene units", "0, 0, 0", "position of the light"},
+                                {"to_world", "transform", "", "identity",
+                                 "instead of position: the position is the transformed origin"}},
+                               "lm, W, cd, W/sr", "flux of the light, or its intensity"),
         {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
-         R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)"}});
+         R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)",
+         R"(<emitter type="point"><string name="amount" value="806 lm"/><float name="color_temperature" value="2700"/></emitter>)",
+         R"(<emitter type="point"><string name="amount" value="60 W"/><float name="efficacy" value="13.4"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

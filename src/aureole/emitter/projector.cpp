@@ -4,6 +4,7 @@
 // pi.
 #include <cmath>
 
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/directions/emitter_placement.h"
 #include "aureole/emitter/light.h"
 #include "aureole/math/piecewise.h"
@@ -19,14 +20,16 @@ public:
   explicit ProjectorEmitter(const Properties& p)
       : Emitter(p),
         placement_(get_placement(p)),
-        irradiance_(get_texture(p, "irradiance", 1, SpectrumRole::emission)),
         scale_(float(p.get_float("scale", 1, Range::non_negative()))) {
+    const Emission emission(p, "irradiance");
+    irradiance_ = emission.texture();
     if (std::abs(placement_.scale - 1) > 1e-3)
       throw p.error("to_world", "a projector's transform must not scale");
     const auto [width, height] = irradiance_->resolution();
     const double aspect = double(width) / height, tangent = FieldOfView(p).tangent_of_half_width(aspect);
     half_width_ = float(tangent), half_height_ = float(tangent / aspect);
     area_ = 4 * tangent * tangent / aspect;
+    irradiance_ = emission.scaled({.flux = per_square_unit(p) / (M_PI * area_)});
     build_distribution(width, height);
   }
 
@@ -150,21 +153,25 @@ AUREOLE_PLUGIN(
         "perpendicular to the axis uniformly. A white diffuse screen at distance 1 looks like the "
         "picture: it receives pi times `irradiance` (as in Mitsuba).",
         "",
-        {{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
-          "the picture; its width and height in pixels give the aspect of the projected rectangle, a square "
-          "for a texture without pixels"},
-         {"scale", "float", "", "1", "factor of the irradiance"},
-         {"fov", "float", "degrees", "from focal_length", "field of view of the picture along fov_axis"},
-         {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
-         {"focal_length", "string", "mm", "50mm",
-          "instead of fov: focal length of a 35 mm camera with the same diagonal field of view"},
-         {"to_world", "transform", "", "identity", "projector to world; must not scale"}},
+        with_amount_parameters(
+            {{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
+              "the picture; its width and height in pixels give the aspect of the projected rectangle, a square "
+              "for a texture without pixels"},
+             {"scale", "float", "", "1", "factor of the irradiance"},
+             {"fov", "float", "degrees", "from focal_length", "field of view of the picture along fov_axis"},
+             {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
+             {"focal_length", "string", "mm", "50mm",
+              "instead of fov: focal length of a 35 mm camera with the same diagonal field of view"},
+             {"to_world", "transform", "", "identity", "projector to world; must not scale"}},
+            "lm, W", "flux of the picture, before `scale`"),
         {R"(<emitter type="projector">
     <texture name="irradiance" type="d65"><texture type="bitmap"><string name="filename" value="slide.png"/></texture></texture>
     <float name="fov" value="30"/> <string name="fov_axis" value="larger"/> <float name="scale" value="20"/>
     <transform name="to_world"><lookat origin="0, 1, 4" target="0, 1, 0" up="0, 1, 0"/></transform>
 </emitter>)",
-         R"(<emitter type="projector"><string name="focal_length" value="35mm"/></emitter>)"}});
+         R"(<emitter type="projector"><string name="focal_length" value="35mm"/></emitter>)",
+         R"(<emitter type="projector"><string name="amount" value="2500 lm"/><float name="color_temperature" value="6500"/></emitter>)",
+         R"(<emitter type="projector"><string name="amount" value="200 W"/><float name="efficacy" value="12"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

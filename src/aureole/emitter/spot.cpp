@@ -2,6 +2,7 @@
 // A spot light: a point whose intensity falls linearly with the angle between the beam width and the cutoff.
 #include <cmath>
 
+#include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/directions/emitter_placement.h"
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
@@ -22,8 +23,9 @@ public:
   explicit SpotEmitter(const Properties& p)
       : Emitter(p),
         placement_(get_placement(p)),
-        intensity_(get_texture(p, "intensity", 1, SpectrumRole::emission)),
         texture_(get_optional_texture(p, "texture", SpectrumRole::response)) {
+    const Emission emission(p, "intensity");
+    intensity_ = emission.texture();
     if (!intensity_->is_constant())
       throw p.error("intensity", "expected a spectrum; a picture to project belongs to \"texture\"");
     if (texture_ && texture_->is_constant())
@@ -41,6 +43,14 @@ public:
     if (!(cutoff_one_minus_cosine_ > 1e-14f)) throw p.error("cutoff_angle", "is too narrow");
     inverse_transition_ = cutoff_ > beam_ ? float(1 / (cutoff_ - beam_)) : 0;
     inverse_tangent_ = float(1 / std::tan(cutoff_));
+    if (!emission.amount()) return;
+    // With a picture, the flux is that of the light that passes it, and the intensity that of its white.
+    const double per_unit = per_square_unit(p);
+    const bool is_flux = emission.amount()->quantity == EmissionAmount::Quantity::flux;
+    const SampledSpectrum average =
+        texture_ && is_flux ? product(intensity_->average(), texture_mean()) : intensity_->average();
+    intensity_ = scaled_texture(
+        intensity_, emission.scale({.flux = per_unit / solid_angle(), .intensity = per_unit}, average));
   }
 
   bool is_delta() const override { return true; }
@@ -173,22 +183,26 @@ AUREOLE_PLUGIN(
         "Spot light: a point with full intensity inside a beam around its local +z axis. Outside, the "
         "intensity falls linearly with the angle, up to the cutoff. A picture may be projected.",
         "",
-        {{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
-          "spectral radiant intensity in the beam"},
-         {"cutoff_angle", "float", "degrees", "20",
-          "half-angle of the cone beyond which the intensity is zero"},
-         {"beam_width", "float", "degrees", "3/4 of cutoff_angle",
-          "half-angle of the cone of full intensity"},
-         {"texture", "texture", "", "none",
-          "picture that multiplies the intensity; it fills the square around the cutoff's circle, u along "
-          "+x"},
-         {"to_world", "transform", "", "identity",
-          "light to world: moves the origin to the light and turns +z along the beam"}},
+        with_amount_parameters(
+            {{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
+              "spectral radiant intensity in the beam"},
+             {"cutoff_angle", "float", "degrees", "20",
+              "half-angle of the cone beyond which the intensity is zero"},
+             {"beam_width", "float", "degrees", "3/4 of cutoff_angle",
+              "half-angle of the cone of full intensity"},
+             {"texture", "texture", "", "none",
+              "picture that multiplies the intensity; it fills the square around the cutoff's circle, u along "
+              "+x"},
+             {"to_world", "transform", "", "identity",
+              "light to world: moves the origin to the light and turns +z along the beam"}},
+            "lm, W, cd, W/sr", "flux of the light, or its intensity in the beam"),
         {R"(<emitter type="spot">
     <transform name="to_world"><lookat origin="0, 4, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
     <rgb name="intensity" value="60, 50, 40"/> <float name="cutoff_angle" value="35"/> <float name="beam_width" value="10"/>
 </emitter>)",
-         R"(<emitter type="spot"><texture name="texture" type="bitmap"><string name="filename" value="stencil.png"/></texture></emitter>)"}});
+         R"(<emitter type="spot"><texture name="texture" type="bitmap"><string name="filename" value="stencil.png"/></texture></emitter>)",
+         R"(<emitter type="spot"><string name="amount" value="1200 cd"/><float name="color_temperature" value="3000"/></emitter>)",
+         R"(<emitter type="spot"><string name="amount" value="50 W"/><float name="efficacy" value="18"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -32,6 +32,23 @@ ExrPixel Film::read_component_format(const Properties& p) {
   return format == "float16" ? ExrPixel::half : ExrPixel::float32;
 }
 
+void Film::set_measured(MeasuredKind kind, std::string name) {
+  check_kind(kind);
+  measured_kind_ = kind;
+  measured_name_ = std::move(name);
+  if (!measured_name_.empty()) measured_name_ += ' ';
+}
+
+const char* radiometric_name(MeasuredKind kind) {
+  return kind == MeasuredKind::radiance     ? "radiance"
+         : kind == MeasuredKind::irradiance ? "irradiance"
+                                            : "radiant intensity";
+}
+
+const char* radiometric_unit(MeasuredKind kind) {
+  return kind == MeasuredKind::radiance ? "W/(m^2 sr)" : kind == MeasuredKind::irradiance ? "W/m^2" : "W/sr";
+}
+
 void Film::use_box_filter(const std::string& reason) {
   if (filter_->radius() <= 0.5f) return;
   if (!filter_is_default_) filter_->properties().note("", reason);

@@ -13,10 +13,19 @@
 
 namespace aureole {
 
+/// The geometry of what a sensor measures: radiance along rays, irradiance at points (also that of receivers with
+/// another response to directions), or intensity in directions.
+enum class MeasuredKind { radiance, irradiance, intensity };
+
 class Film : public Object {
 public:
   static constexpr const char* kFamily = "a film";
   using Object::Object;
+
+  /// Tells the film what its sensor measures; `name` is a word before the name of the quantity, such as "cylindrical".
+  /// Throws Error where the film states a quantity of another kind.
+  void set_measured(MeasuredKind kind, std::string name = "");
+  MeasuredKind measured_kind() const { return measured_kind_; }
 
   int width() const { return width_; }  ///< of the whole film, pixels
   int height() const { return height_; }
@@ -58,6 +67,10 @@ public:
           "it would weight what a sensor of one value sees by the place in its pixel: a box is used");
 
 protected:
+  /// Throws Error if the film cannot hold a quantity of this kind.
+  virtual void check_kind(MeasuredKind) const {}
+  /// The word of `set_measured` with a blank behind it, or nothing.
+  const std::string& measured_name() const { return measured_name_; }
   /// Reads size, crop, border, filter and `compensate`.
   void read_common(const Properties& properties);
   /// Reads `component_format`.
@@ -69,7 +82,13 @@ private:
   bool sample_border_ = false;
   std::shared_ptr<Filter> filter_;
   bool filter_is_default_ = false;
+  MeasuredKind measured_kind_ = MeasuredKind::radiance;
+  std::string measured_name_;
 };
+
+/// The radiometric name of a kind, "irradiance", and its unit, "W/m^2".
+const char* radiometric_name(MeasuredKind kind);
+const char* radiometric_unit(MeasuredKind kind);
 
 /// The response of every channel of the developed picture except alpha, on the scene's grid.
 std::vector<SampledSpectrum> channel_responses(const Film& film, const SpectralGrid& grid);

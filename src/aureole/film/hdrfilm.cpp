@@ -6,17 +6,64 @@
 #include "aureole/film/film.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
+#include "aureole/spectrum/photometry.h"
+#include "aureole/spectrum/tables.h"
 
 namespace aureole {
 namespace {
+
+/// A quantity that a film measures in absolute units.
+struct FilmQuantity {
+  const char *name, *words, *unit;
+  MeasuredKind kind;
+  SampledSpectrum (*weight)(const SpectralGrid&);
+};
+
+SampledSpectrum one(const SpectralGrid& grid) { return SampledSpectrum::constant(grid, 1); }
+
+constexpr FilmQuantity kQuantities[] = {
+    {"radiance", "radiance", "W/(m^2 sr)", MeasuredKind::radiance, one},
+    {"irradiance", "irradiance", "W/m^2", MeasuredKind::irradiance, one},
+    {"intensity", "radiant intensity", "W/sr", MeasuredKind::intensity, one},
+    {"photon_radiance", "photon radiance", "umol/(s m^2 sr)", MeasuredKind::radiance, photons_per_joule},
+    {"photon_irradiance", "photon irradiance", "umol/(s m^2)", MeasuredKind::irradiance, photons_per_joule},
+    {"photon_intensity", "photon intensity", "umol/(s sr)", MeasuredKind::intensity, photons_per_joule},
+    {"luminance", "luminance", "cd/m^2", MeasuredKind::radiance, photopic_efficacy},
+    {"illuminance", "illuminance", "lx", MeasuredKind::irradiance, photopic_efficacy},
+    {"luminous_intensity", "luminous intensity", "cd", MeasuredKind::intensity, photopic_efficacy},
+    {"scotopic_luminance", "scotopic luminance", "cd/m^2", MeasuredKind::radiance, scotopic_efficacy},
+    {"scotopic_illuminance", "scotopic illuminance", "lx", MeasuredKind::irradiance, scotopic_efficacy},
+    {"scotopic_intensity", "scotopic luminous intensity", "cd", MeasuredKind::intensity, scotopic_efficacy}};
+
+/// Units beside the SI's own, with their size in that.
+struct FilmUnit {
+  const char *name, *of;
+  double size;
+};
+constexpr FilmUnit kFilmUnits[] = {{"nit", "cd/m^2", 1},           {"kcd/m^2", "cd/m^2", 1e3},
+                                   {"fL", "cd/m^2", 3.4262590996}, {"klx", "lx", 1e3},
+                                   {"fc", "lx", 10.763910417},     {"kcd", "cd", 1e3},
+                                   {"mW/cm^2", "W/m^2", 10}};
+
+std::vector<std::string> quantity_names() {
+  std::vector<std::string> names{"relative"};
+  for (const FilmQuantity& q : kQuantities) names.emplace_back(q.name);
+  return names;
+}
 
 class HdrFilm final : public Film {
 public:
   explicit HdrFilm(const Properties& p) : Film(p) {
     read_common(p);
     pixel_ = read_component_format(p);
-    std::string format =
-        p.get_choice("pixel_format", "rgb", {"rgb", "rgba", "xyz", "xyza", "luminance", "luminance_alpha"});
+    const std::string quantity = p.get_choice("quantity", "relative", quantity_names());
+    for (const FilmQuantity& q : kQuantities)
+      if (quantity == q.name) quantity_ = &q;
+    // Absolute values exceed the range of 16 bits: 65504 cd/m^2 is less than a lamp has.
+    if (quantity_ && !p.has("component_format")) pixel_ = ExrPixel::float32;
+    read_unit(p);
+    std::string format = p.get_choice("pixel_format", quantity_ ? "luminance" : "rgb",
+                                      {"rgb", "rgba", "xyz", "xyza", "luminance", "luminance_alpha"});
     const std::string file = p.get_choice("file_format", "openexr", {"openexr", "exr", "rgbe", "pfm"});
     if (file == "rgbe" || file == "pfm") {
       extension_ = file == "rgbe" ? ".hdr" : ".pfm";
@@ -30,6 +77,10 @@ public:
 
     const SpectralGrid& grid = p.context().grid;
     uniform_ = p.get_choice("response", "cie1931", {"cie1931", "uniform"}) == "uniform";
+    if (quantity_) {
+      read_quantity(p);
+      return;
+    }
     if (uniform_) {
       response_ = {SampledSpectrum::constant(grid, float(1 / (grid.max_nm - grid.min_nm)))};
       return;
@@ -78,6 +129,7 @@ public:
     for (const std::string& name : channel_names())
       meanings.push_back(
           name == "A"          ? "alpha: 1 where shapes or a visible environment are, 0 where nothing is"
+          : quantity_          ? absolute_meaning()
           : uniform_           ? "mean over the film's wavelengths of what the sensor measures"
           : kind_ == Kind::rgb ? "linear sRGB, scene-referred; 1, 1, 1 has luminance 1"
           : kind_ == Kind::luminance ? "luminance; 1 for a flat spectrum of radiance 1"
@@ -102,17 +154,88 @@ public:
 
   void develop_rgb(const double* m, float rgb[3]) const override {
     if (uniform_)
-      rgb[0] = rgb[1] = rgb[2] = float(m[0]);
+      rgb[0] = rgb[1] = rgb[2] = float(m[0] / white_);
     else
       xyz_to_srgb(m, rgb);
+    if (!uniform_ && white_ != 1)
+      for (int c = 0; c < 3; ++c) rgb[c] = float(rgb[c] / white_);
   }
 
   ExrPixel pixel_type() const override { return pixel_; }
   std::string file_extension() const override { return extension_; }
 
+protected:
+  void check_kind(MeasuredKind kind) const override {
+    if (!quantity_ || quantity_->kind == kind) return;
+    std::string fitting;
+    for (const FilmQuantity& q : kQuantities)
+      if (q.kind == kind) fitting += (fitting.empty() ? "" : ", ") + std::string(q.name);
+    throw properties().error(
+        "quantity", "the sensor of this film measures " + std::string(radiometric_name(kind)) +
+                        ", of which the quantities are " + fitting + ", not \"" + quantity_->name + "\"");
+  }
+
 private:
+  void read_unit(const Properties& p) {
+    white_ = p.get_float("white", 1, Range::positive());
+    const std::string unit = p.get_string("unit", "");
+    if (!p.has("unit")) {
+      unit_ = quantity_ ? quantity_->unit : "";
+      return;
+    }
+    if (!quantity_) throw p.error("unit", "needs the \"quantity\" of which it is the unit");
+    std::vector<std::string> names{quantity_->unit};
+    unit_ = unit;
+    if (unit == quantity_->unit) return;
+    for (const FilmUnit& u : kFilmUnits)
+      if (quantity_->unit == std::string(u.of)) {
+        names.emplace_back(u.name);
+        if (unit == u.name) {
+          unit_size_ = u.size;
+          return;
+        }
+      }
+    throw p.error("unit", "\"" + unit + "\" is no unit of the quantity \"" + quantity_->name + "\"" +
+                              did_you_mean_or_all(unit, names));
+  }
+
+  /// Sets the responses of an absolute quantity.
+  void read_quantity(const Properties& p) {
+    const SpectralGrid& grid = p.context().grid;
+    if (p.has("response")) p.note("response", "has no effect: the quantity decides the response");
+    const bool has_colours = quantity_->weight == photopic_efficacy && kind_ != Kind::luminance;
+    if (quantity_->weight == photopic_efficacy && !covers_photopic_vision(grid))
+      throw p.error("quantity", "the film's wavelengths do not cover the visible, from 380 to 780 nm");
+    if (has_colours) {
+      // The tristimulus values with Y in the unit of the quantity.
+      const auto observer = observer_xyz(grid);
+      response_.assign(observer.begin(), observer.end());
+      for (SampledSpectrum& r : response_) r.scale(float(kPhotopicEfficacy * cie_y_integral() / unit_size_));
+      uniform_ = false;
+      return;
+    }
+    if (kind_ != Kind::luminance) {
+      p.note("pixel_format", "the quantity \"" + std::string(quantity_->name) + "\" has one channel");
+      kind_ = Kind::luminance;
+    }
+    response_ = {quantity_->weight(grid)};
+    response_[0].scale(float(1 / unit_size_));
+    uniform_ = true;
+    if (!(response_[0].maximum() > 0)) throw p.error("quantity", "is zero at all wavelengths of the film");
+  }
+
+  std::string absolute_meaning() const {
+    const std::string words = measured_name() + quantity_->words;
+    if (uniform_) return words + ", " + unit_;
+    return (kind_ == Kind::rgb ? "linear sRGB; 1, 1, 1 has " : "CIE 1931 XYZ; Y is ") + words +
+           (kind_ == Kind::rgb ? " 1 " : ", ") + unit_;
+  }
+
   enum class Kind { rgb, xyz, luminance } kind_;
   bool alpha_ = false, uniform_ = false;
+  const FilmQuantity* quantity_ = nullptr;  ///< null: relative
+  std::string unit_;
+  double unit_size_ = 1, white_ = 1;  ///< the unit in the SI's; the value that the preview shows as white
   ExrPixel pixel_;
   std::string extension_ = ".exr";
   std::vector<SampledSpectrum> response_;  ///< responses of X, Y, Z, or of the band [1/nm]
@@ -120,20 +243,31 @@ private:
 
 AUREOLE_PLUGIN(
     HdrFilm, "film", "hdrfilm",
-    PluginDoc{"Film that measures the CIE 1931 tristimulus values of the spectral radiance, scaled so that a "
-              "flat spectrum of radiance 1 has luminance Y = 1, and stores linear sRGB, XYZ or luminance. "
-              "With `response` \"uniform\" it measures the mean of the spectral radiance over its wavelength "
-              "range, for work outside the visible.",
-              "CIE 15:2018, section 7",
-              {{"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
-               {"file_format", "string", "", "openexr",
-                "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The extension of a name "
-                "given by -o takes precedence"},
-               {"wavelength_min", "wavelength", "nm", "360",
-                "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
-               {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
-               {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (mean over the band)"}},
-              {R"(<film type="hdrfilm">
+    PluginDoc{
+        "Film that measures the CIE 1931 tristimulus values of the spectral radiance, scaled so that a "
+        "flat spectrum of radiance 1 has luminance Y = 1, and stores linear sRGB, XYZ or luminance. "
+        "With `response` \"uniform\" it measures the mean of the spectral radiance over its wavelength "
+        "range, for work outside the visible. With a `quantity` it stores that in its unit, which the header of the "
+        "picture states; emitters must then be absolute (`photometric`, `blackbody`, or with an `amount`).",
+        "CIE 15:2018, section 7",
+        {{"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
+         {"file_format", "string", "", "openexr",
+          "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The extension of a name "
+          "given by -o takes precedence"},
+         {"wavelength_min", "wavelength", "nm", "360",
+          "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
+         {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
+         {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (mean over the band)"},
+         {"quantity", "string", "", "relative",
+          "relative, or an absolute quantity of the kind that the sensor measures. Of a camera: radiance, "
+          "photon_radiance, luminance, scotopic_luminance; of a meter or a grid of receivers: irradiance, "
+          "photon_irradiance, illuminance, scotopic_illuminance; of a goniophotometer: intensity, "
+          "photon_intensity, luminous_intensity, scotopic_intensity. One channel Y in float32; luminance, "
+          "illuminance and luminous_intensity also have colours by pixel_format, with Y in the unit"},
+         {"unit", "string", "", "that of the SI",
+          "unit of the quantity: cd/m^2, nit, kcd/m^2 or fL; lx, klx or fc; cd or kcd; W/m^2 or mW/cm^2"},
+         {"white", "float", "", "1", "value that the PNG beside the picture shows as white"}},
+        {R"(<film type="hdrfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>
     <integer name="crop_offset_x" value="16"/> <integer name="crop_offset_y" value="16"/>
     <integer name="crop_width" value="64"/> <integer name="crop_height" value="64"/>
@@ -143,7 +277,9 @@ AUREOLE_PLUGIN(
     <string name="wavelength_min" value="380nm"/> <float name="wavelength_max" value="780"/>
     <string name="response" value="cie1931"/>
     <rfilter type="gaussian"/>
-</film>)"}});
+</film>)",
+         R"(<film type="hdrfilm"><string name="quantity" value="luminance"/><string name="unit" value="nit"/>
+    <float name="white" value="300"/></film>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -152,10 +152,12 @@ public:
     std::vector<std::string> meanings;
     if (has_bins_ && preview_) meanings.assign(3, "preview: colour of the spectrum, linear sRGB");
     for (int i = 0; has_bins_ && i < bins_.count(); ++i)
-      meanings.push_back(fmt::format("mean spectral radiance from {:.6g} to {:.6g} nm, W/(m^2 sr nm)",
-                                     bins_.lower(i), bins_.upper(i)));
+      meanings.push_back(fmt::format("mean {}spectral {} from {:.6g} to {:.6g} nm, {}", measured_name(),
+                                     radiometric_name(measured_kind()), bins_.lower(i), bins_.upper(i),
+                                     per_nm()));
     for (std::size_t i = 0; i < bands_.size(); ++i)
-      meanings.emplace_back("integral of response times spectral radiance over nm, W/(m^2 sr)");
+      meanings.push_back(fmt::format("integral of response times {}spectral {} over nm, {}", measured_name(),
+                                     radiometric_name(measured_kind()), radiometric_unit(measured_kind())));
     return meanings;
   }
   void develop(const double* m, double, float* out) const override {
@@ -177,6 +179,18 @@ public:
   ExrPixel pixel_type() const override { return pixel_; }
 
 private:
+  /// The unit of a quantity for each nm of wavelength.
+  std::string per_nm() const {
+    switch (measured_kind()) {
+      case MeasuredKind::radiance:
+        return "W/(m^2 sr nm)";
+      case MeasuredKind::irradiance:
+        return "W/(m^2 nm)";
+      default:
+        return "W/(sr nm)";
+    }
+  }
+
   struct Band {
     std::string name;
     SampledSpectrum response;

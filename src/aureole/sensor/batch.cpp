@@ -12,9 +12,10 @@ namespace {
 class BatchSensor final : public Sensor {
 public:
   explicit BatchSensor(const Properties& p) : Sensor(p) {
-    read_common(p);
+    read_common(p, Measures::picture, std::nullopt);
     for (const auto& child : p.get_children<Object>("sensor")) add(child);
     const int count = int(members_.size()), width = film().width();
+    for (const Member& member : members_) shared_film()->set_measured(member.sensor->film().measured_kind());
     if (count == 0) throw Error(p.where(), "a batch needs at least one sensor");
     if (width % count != 0)
       throw Error(p.where(), "the film's width of " + std::to_string(width) +

@@ -12,7 +12,9 @@ namespace {
 
 class IrradianceMeter final : public Sensor {
 public:
-  explicit IrradianceMeter(const Properties& p) : Sensor(p) { read_common(p, Measures::value); }
+  explicit IrradianceMeter(const Properties& p) : Sensor(p) {
+    read_common(p, Measures::value, MeasuredKind::irradiance);
+  }
 
   void check_shape(const ShapeArea& area) const override {
     if (!(area.area() > 0))

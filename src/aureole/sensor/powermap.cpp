@@ -10,11 +10,16 @@ namespace {
 class PowerMap final : public Sensor {
 public:
   explicit PowerMap(const Properties& p) : Sensor(p) {
-    read_common(p);
+    read_common(p, Measures::picture, MeasuredKind::irradiance);
     shared_film()->use_box_filter("it would spread the power of a cell over its neighbours: a box is used");
-    measure_ = p.get_choice("measure", "fluence", {"fluence", "irradiance"}) == "fluence"
-                   ? Receiver::Measure::fluence
-                   : Receiver::Measure::irradiance;
+    const std::string measure =
+        p.get_choice("measure", "fluence", {"fluence", "irradiance", "cylindrical", "semicylindrical"});
+    measure_ = measure == "fluence"       ? Receiver::Measure::fluence
+               : measure == "irradiance"  ? Receiver::Measure::irradiance
+               : measure == "cylindrical" ? Receiver::Measure::cylindrical
+                                          : Receiver::Measure::semicylindrical;
+    if (measure != "irradiance")
+      shared_film()->set_measured(MeasuredKind::irradiance, measure == "fluence" ? "spherical" : measure);
     const Transform to_world = p.get_transform("to_world");
     corner_ = to_world.point({-1, 1, 0});
     right_ = to_world.vector({2, 0, 0}), down_ = to_world.vector({0, -2, 0});
@@ -26,6 +31,7 @@ public:
     per_right_ = cross(down_, normal_) * (1 / area_);
     per_down_ = cross(normal_, right_) * (1 / area_);
     if (dot(normal_, to_world.normal({0, 0, 1})) < 0) normal_ = -normal_;
+    read_cylinder(p);
   }
 
   void check_shape(const ShapeArea& area) const override {
@@ -45,10 +51,10 @@ public:
 
   std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
     const Vec2 u{(film.x - at.part.left) / at.part.width, film.y / at.part.height};
-    if (!at.area) return Receiver{corner_ + right_ * u.x + down_ * u.y, {}, normal_, measure_};
+    if (!at.area) return receiver_at(corner_ + right_ * u.x + down_ * u.y, {}, normal_);
     const auto s = at.area->point_at_uv(u);
     if (!s) return {};
-    return Receiver{s->p, s->p_error, s->ng, measure_};
+    return receiver_at(s->p, s->p_error, s->ng);
   }
 
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
@@ -104,7 +110,37 @@ private:
     const Vec2 u{dot(p - corner_, per_right_), dot(p - corner_, per_down_)};
     const Vec2 film{at.part.left + u.x * at.part.width, u.y * at.part.height};
     if (!at.part.samples(film)) return {};
-    return Place{{p, {}, normal_, measure_}, film, t};
+    return Place{receiver_at(p, {}, normal_), film, t};
+  }
+  /// A receiver at a point of the plane or of a shape. On a shape, the axis of a cylinder is that of the normal unless
+  /// one is stated.
+  Receiver receiver_at(const Vec3& p, const Vec3& p_error, const Vec3& ng) const {
+    Receiver r{p, p_error, ng, measure_};
+    if (measure_ == Receiver::Measure::cylindrical || measure_ == Receiver::Measure::semicylindrical) {
+      r.axis = has_axis_ ? axis_ : ng;
+      r.ng = measure_ == Receiver::Measure::semicylindrical ? facing_ : Frame::from_normal(r.axis).s;
+    }
+    return r;
+  }
+  void read_cylinder(const Properties& p) {
+    const bool is_semi = measure_ == Receiver::Measure::semicylindrical,
+               is_cylinder = is_semi || measure_ == Receiver::Measure::cylindrical;
+    has_axis_ = p.has("axis");
+    axis_ = has_axis_ ? unit_direction(p, "axis", p.get_vec3("axis", {})) : normal_;
+    p.find("axis");
+    const Vec3 up = down_ * -1.f;
+    const Vec3 facing =
+        p.has("facing") ? unit_direction(p, "facing", p.get_vec3("facing", {})) : normalize(up);
+    p.find("facing");
+    if (has_axis_ && !is_cylinder) p.note("axis", "has no effect: it is that of a cylinder");
+    if (p.has("facing") && !is_semi) p.note("facing", "has no effect: it is that of a semicylinder");
+    if (!is_semi) return;
+    const Vec3 across = facing - axis_ * dot(facing, axis_);
+    if (!(length_squared(across) > 1e-6f))
+      throw p.error(p.has("facing") ? "facing" : "axis",
+                    "the semicylinder faces along its own axis: give an \"axis\" "
+                    "and a \"facing\" at a right angle");
+    facing_ = normalize(across);
   }
   float pixels_per_area(const PlacedSensor& at) const { return at.part.width * at.part.height / area_; }
 
@@ -113,6 +149,8 @@ private:
   Vec3 per_right_, per_down_;   ///< dual vectors of the sides: give the picture's coordinates of a point of
                                 ///< the plane
   Vec3 normal_;
+  Vec3 axis_, facing_;  ///< of a cylinder
+  bool has_axis_ = false;
   float area_;
 };
 
@@ -137,7 +175,12 @@ AUREOLE_PLUGIN(
              {"measure", "string", "", "fluence",
               "fluence: the fluence rate, equal response to all directions: the power per cross section of "
               "a small isotropic receiver; irradiance: with the cosine, on the side of the plane's z axis "
-              "or of the shape's normal"}},
+              "or of the shape's normal; cylindrical: the mean over the side of a small cylinder about `axis`, as people "
+              "see each other in a room; semicylindrical: the mean over the half of that side about `facing`"},
+             {"axis", "vector", "", "the normal of the plane or the shape",
+              "axis of the cylinder, usually upwards"},
+             {"facing", "vector", "", "up in the picture",
+              "direction that a semicylinder faces; its part at a right angle to the axis counts"}},
         .examples = {R"(<sensor type="powermap">
     <transform name="to_world"><scale x="50" y="30"/><translate z="1.5"/></transform>
     <string name="measure" value="fluence"/>
@@ -147,7 +190,10 @@ AUREOLE_PLUGIN(
         <string name="response" value="uniform"/> <rfilter type="box"/>
     </film>
     <sampler type="sobol"/>
-</sensor>)"}});
+</sensor>)",
+                     R"(<sensor type="powermap"><string name="measure" value="semicylindrical"/>
+    <vector name="axis" x="0" y="0" z="1"/><vector name="facing" x="1" y="0" z="0"/>
+    <film type="hdrfilm"><string name="quantity" value="illuminance"/></film></sensor>)"}});
 
 }  // namespace
 }  // namespace aureole

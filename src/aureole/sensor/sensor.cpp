@@ -34,7 +34,7 @@ FilmPart FilmPart::of(const Film& film, int index, int count) {
   return part;
 }
 
-void Sensor::read_common(const Properties& p, Measures measures) {
+void Sensor::read_common(const Properties& p, Measures measures, std::optional<MeasuredKind> kind) {
   measures_ = measures;
   film_ = child_or_default<Film>(
       p, "film",
@@ -54,6 +54,7 @@ void Sensor::read_common(const Properties& p, Measures measures) {
     if (!(film_->response().maximum() > 0))
       throw p.error("srf", "the sensor sees nothing: this is zero wherever the film responds");
   }
+  if (kind) film_->set_measured(*kind);
   const bool opens = p.find("shutter_open"), closes = p.find("shutter_close");
   if (opens || closes) p.note("shutter_open", "nothing moves: the shutter times have no effect");
 }

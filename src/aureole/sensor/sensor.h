@@ -50,14 +50,23 @@ struct SensorResponse {
 
 /// A point at which a sensor measures light arriving from all directions or from a half-space.
 struct Receiver {
-  /// Irradiance, on the side of the normal; or fluence rate, which is independent of direction.
-  enum class Measure { irradiance, fluence };
+  /// How the response depends on the direction.
+  enum class Measure {
+    irradiance,       ///< the cosine with the normal, on its side
+    fluence,          ///< 1
+    cylindrical,      ///< sin(e)/pi, e from `axis`: the mean over the side of a small cylinder
+    semicylindrical,  ///< sin(e) (1 + cos(a))/pi, a from the normal about `axis`: the mean over half of that side
+    far               ///< 1 for emitters without extent that the receiver sees from afar; it samples no ray
+  };
 
   Vec3 p;
   Vec3 p_error;  ///< bound of the rounding error of p; zero for a point that lies on no surface
   Vec3 ng;       ///< unit normal
   Measure measure = Measure::fluence;
   float weight = 1;  ///< factor of the response, to correct the pdf of the receiver's position
+  Vec3 axis{};       ///< unit axis of a cylinder; a semicylinder's normal is perpendicular to it
+  float far_share =
+      0;  ///< pdf of Measure::far [1/sr]: that of a sensor's ray at its own place, see its sensor
 
   /// Factor of the radiance that arrives from the unit direction `d`.
   float response(const Vec3& d) const;
@@ -155,7 +164,9 @@ protected:
   /// Reads the parameters of every sensor: film (default: hdrfilm), sampler (default: sobol), medium, srf and
   /// shutter times. A meter's film must have one pixel and no reconstruction filter, which would weight
   /// samples by their position in the pixel.
-  void read_common(const Properties& properties, Measures measures = Measures::picture);
+  /// The film learns the kind of quantity; nothing: the sensor tells it itself (`Film::set_measured`).
+  void read_common(const Properties& properties, Measures measures = Measures::picture,
+                   std::optional<MeasuredKind> kind = MeasuredKind::radiance);
 
   /// The unit vector along v, the value of the parameter `name`. Throws Error for a zero vector.
   static Vec3 unit_direction(const Properties& properties, std::string_view name, const Vec3& v);

@@ -107,6 +107,33 @@ void check_range(const Properties& properties, std::string_view name, const Text
                                shown_number(texture.maximum()));
 }
 
+/// A texture times a factor.
+class ScaledTexture final : public Texture {
+public:
+  ScaledTexture(TexturePtr texture, float factor)
+      : Texture(texture->properties()), texture_(std::move(texture)), factor_(factor) {}
+
+  Spectrum eval(const SurfacePoint& point, const Wavelengths& wavelengths) const override {
+    return texture_->eval(point, wavelengths) * factor_;
+  }
+  float eval_scalar(const SurfacePoint& point) const override {
+    return texture_->eval_scalar(point) * factor_;
+  }
+  SampledSpectrum average(const Shape* shape) const override {
+    SampledSpectrum s = texture_->average(shape);
+    s.scale(factor_);
+    return s;
+  }
+  bool is_constant() const override { return texture_->is_constant(); }
+  float maximum() const override { return texture_->maximum() * factor_; }
+  float minimum() const override { return texture_->minimum() * factor_; }
+  std::pair<int, int> resolution() const override { return texture_->resolution(); }
+
+private:
+  TexturePtr texture_;
+  float factor_;
+};
+
 std::string film_range(const Properties& properties) {
   const SpectralGrid& grid = properties.context().grid;
   return range_text(grid.min_nm, grid.max_nm);
@@ -260,6 +287,13 @@ TexturePtr get_texture(const Properties& properties, std::string_view name, doub
   const auto given = [&] { return get_optional_texture(properties, name, role); };
   if (TexturePtr texture = properties.tolerate(TexturePtr(), given)) return texture;
   return make_constant(properties, name, tabulate_number(properties, name, fallback, role));
+}
+
+TexturePtr scaled_texture(const TexturePtr& texture, double factor) {
+  if (!texture->is_constant()) return std::make_shared<ScaledTexture>(texture, float(factor));
+  SampledSpectrum spectrum = texture->average();
+  spectrum.scale(float(factor));
+  return std::make_shared<ConstantTexture>(texture->properties(), std::move(spectrum));
 }
 
 TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback) {

@@ -88,6 +88,9 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
 std::optional<SampledSpectrum> get_optional_spectrum(const Properties& properties, std::string_view name,
                                                      SpectrumRole role);
 
+/// Returns the texture multiplied by a positive factor at all wavelengths.
+TexturePtr scaled_texture(const TexturePtr& texture, double factor);
+
 /// Returns a texture or number in [0, 1] for `eval_scalar`, such as an opacity or a weight. It is required if
 /// there is no fallback.
 TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of emitters whose intensities come from a file of a luminaire.
+#pragma once
+
+#include <vector>
+
+#include "aureole/math/vec.h"
+#include "aureole/parameter/luminaire/luminaire_file.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+
+/// A luminaire as an emitter uses it.
+struct LuminaireLight {
+  Luminaire luminaire;  ///< intensities [cd] with all factors of the scene
+  TexturePtr
+      per_candela;  ///< spectral radiant intensity of 1 cd [W/(sr nm)], times (scene units per metre)^2
+  double flux = 0;  ///< [lm]
+
+  double candela(const Vec3& local) const {
+    return luminaire.distribution.intensity({double(local.x), double(local.y), double(local.z)});
+  }
+};
+
+/// Reads the file and the parameters of `luminaire_parameter_rows`, and notes how the flux of the lamps and the
+/// integral of the intensities agree. Throws located errors.
+LuminaireLight get_luminaire(const Properties& properties);
+
+/// The rows of these parameters before `rows`.
+std::vector<ParameterDoc> luminaire_parameter_rows(std::vector<ParameterDoc> rows);
+
+}  // namespace aureole

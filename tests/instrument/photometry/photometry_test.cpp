@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// The goniophotometer and the evaluation of photometric pictures, in scenes of closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "aureole/instrument/photometry/goniometry.h"
+#include "aureole/instrument/photometry/photometric_picture.h"
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "harness/paths.h"
+#include "loading/load_text.h"
+#include "loading/test_plugins.h"
+
+namespace aureole::test {
+namespace {
+
+LoadedScene scene(const std::string& content, const std::string& integrator = "ptracer",
+                  const std::filesystem::path& file = "light.xml") {
+  return load_scene_from_string(
+      "<scene version='3.0.0'><integrator type='" + integrator + "'/>" + content + "</scene>", file, {});
+}
+Image render(const LoadedScene& loaded, std::int64_t samples) {
+  RenderOptions options;
+  options.end = samples;
+  RenderJob job(loaded, options);
+  job.run(std::atomic<bool>(false));
+  EXPECT_EQ(job.state().invalid_samples, 0u);
+  return job.state().picture();
+}
+/// A goniophotometer with +z for the direction of both angles zero.
+std::string goniophotometer(int width, int height) {
+  return "<sensor type='goniophotometer'><film type='hdrfilm'><integer name='width' value='" +
+         std::to_string(width) + "'/><integer name='height' value='" + std::to_string(height) +
+         "'/><string name='quantity' value='luminous_intensity'/></film></sensor>";
+}
+
+TEST(Goniophotometry, ALambertianDiscAndItsFlux) {
+  // 1000 cd/m^2 from a disc of radius 0.5: I = 785.4 cos(gamma), and pi times that for its flux.
+  const std::string disc =
+      "<shape type='disk'><transform name='to_world'><scale value='0.5'/></transform><emitter type='area'>"
+      "<string name='amount' value='1000 cd/m^2'/></emitter></shape>";
+  for (const char* integrator : {"ptracer", "path"}) {
+    const Luminaire l = measured_luminaire(render(scene(goniophotometer(8, 37) + disc, integrator), 4096),
+                                           {.symmetry = GoniometryOptions::Symmetry::rotational});
+    const double peak = 1000 * M_PI / 4;
+    for (const double gamma : {0.0, 30.0, 60.0, 80.0})
+      EXPECT_NEAR(l.distribution.at(0, gamma), peak * std::cos(gamma * M_PI / 180), 0.02 * peak)
+          << integrator << gamma;
+    EXPECT_EQ(l.distribution.at(0, 95), 0);
+    EXPECT_NEAR(l.distribution.flux(), M_PI * peak, 0.01 * M_PI * peak);
+    const LuminaireFigures f = luminaire_figures(l);
+    EXPECT_NEAR(f.beam[0], 120, 3);
+    EXPECT_NEAR(f.downward_flux, f.flux, 1e-9);
+  }
+}
+
+TEST(Goniophotometry, AFileComesBackThroughAScene) {
+  // The twin batten over its angles, from which a scene, a measurement and both files are made.
+  const std::filesystem::path file = example_file("batten.ldt");
+  const Luminaire given = read_luminaire(file);
+  const std::string lamp =
+      "<emitter type='photometric'><string name='filename' value='" + file.string() + "'/></emitter>";
+  const Luminaire measured = measured_luminaire(render(scene(goniophotometer(24, 37) + lamp), 16), {});
+  EXPECT_TRUE(measured.is_absolute);
+  for (const std::string& text : {ies_text(measured), eulumdat_text(measured)}) {
+    const Luminaire back = parse_luminaire(text, "back");
+    EXPECT_NEAR(back.distribution.flux(), given.distribution.flux(), 1e-3 * given.distribution.flux());
+    for (int i = 0; i < 24; ++i)
+      for (int j = 0; j < 37; ++j) {
+        const auto d = given.distribution.direction(15 * i, 5 * j);
+        const double cd = given.distribution.intensity(d);
+        EXPECT_NEAR(back.distribution.intensity(d), cd, 3e-3 * cd + 0.5) << i << " " << j;
+      }
+  }
+}
+
+TEST(Goniophotometry, LightFromAMirrorIsFound) {
+  // A point of 100 cd before a large mirror: 200 cd away from it, and nothing behind. No connection finds the image.
+  const std::string content =
+      goniophotometer(4, 91) +
+      "<emitter type='point'><string name='amount' value='100 cd'/><point name='position' x='0' y='0' z='0.01'/></emitter>"
+      "<shape type='rectangle'><bsdf type='twosided'><bsdf type='conductor'><string name='material' value='none'/></bsdf></bsdf></shape>";
+  const Luminaire l =
+      measured_luminaire(render(scene(content), 4096), {.symmetry = GoniometryOptions::Symmetry::rotational});
+  for (const double gamma : {20.0, 40.0, 60.0}) EXPECT_NEAR(l.distribution.at(0, gamma), 200, 20) << gamma;
+  EXPECT_LT(l.distribution.at(0, 120), 1);
+  EXPECT_NEAR(l.distribution.flux(), 400 * M_PI, 0.02 * 400 * M_PI);
+}
+
+TEST(Goniophotometry, SymmetriesAverageWhatIsAlike) {
+  Image picture{.width = 4, .height = 3, .channels = {"Y"}, .pixels = {5, 7, 9, 11, 1, 2, 3, 6, 0, 0, 0, 0}};
+  using Symmetry = GoniometryOptions::Symmetry;
+  const auto at = [&](Symmetry symmetry, double c) {
+    return measured_luminaire(picture, {.symmetry = symmetry}).distribution.at(c, 90);
+  };
+  EXPECT_EQ(measured_luminaire(picture, {}).distribution.at(45, 0), 8);  // one direction
+  EXPECT_EQ(at(Symmetry::none, 270), 6);
+  EXPECT_EQ(at(Symmetry::about_c0, 270), 4);
+  EXPECT_EQ(at(Symmetry::about_c90, 0), 2);
+  EXPECT_EQ(at(Symmetry::about_c90, 270), 6);
+  EXPECT_EQ(at(Symmetry::quadrants, 90), 4);
+  EXPECT_EQ(at(Symmetry::rotational, 77), 3);
+  EXPECT_NEAR(measured_luminaire(picture, {.flux = 500}).distribution.flux(), 500, 1e-9);
+  Image dark = picture;
+  for (float& v : dark.pixels) v = 0;
+  EXPECT_THROW(measured_luminaire(dark, {}), Error);
+}
+
+TEST(Photometry, GlareOfADiscInItsSurround) {
+  // A disc of 10000 cd/m^2, radius 0.1 at 2 m along the line of sight and 1 m above, in a surround of 50 cd/m^2.
+  const std::string camera =
+      "<sensor type='perspective'><float name='fov' value='90'/><transform name='to_world'><lookat origin='0, 0, 0' target='2, 0, 0' up='0, 0, 1'/>"
+      "</transform><film type='hdrfilm'><integer name='width' value='512'/><integer name='height' value='512'/>"
+      "<string name='quantity' value='luminance'/><rfilter type='box'/></film></sensor>";
+  const std::string disc =
+      "<shape type='disk'><transform name='to_world'><scale value='0.1'/><rotate y='1' angle='-90'/><translate x='2' z='1'/></transform>"
+      "<emitter type='area'><string name='amount' value='10000 cd/m^2'/></emitter></shape>"
+      "<emitter type='constant'><string name='amount' value='50 cd/m^2'/></emitter>";
+  const LoadedScene loaded = scene(camera + disc, "direct");
+  const Image picture = render(loaded, 64);
+  const Film& film = loaded.scene->film();
+  const PhotometricMap map =
+      photometric_map(picture, channels_attribute(film.channel_names(), film.channel_meanings()), "picture");
+  EXPECT_EQ(map.unit, "cd/m^2");
+  const PictureGlare glare = picture_glare(map, loaded.scene->sensor(), {0, 0, 1}, 5000);
+  ASSERT_EQ(glare.sources.size(), 1u);
+  // Its normal is at the angle of the source to the line of sight: omega = area cos/r^2.
+  const double r2 = 5, omega = M_PI * 0.01 * (2 / std::sqrt(r2)) / r2;
+  const double p = optics::position_index(std::atan(0.5), 0);
+  EXPECT_NEAR(glare.sources[0].source.solid_angle, omega, 0.05 * omega);
+  EXPECT_NEAR(glare.sources[0].source.position, p, 0.02);
+  EXPECT_NEAR(glare.background, 50, 0.5);
+  EXPECT_NEAR(glare.rating, 8 * std::log10(0.25 / 50 * 1e8 * omega / (p * p)), 0.3);
+  EXPECT_EQ(glare.outside, 0u);
+  // A pyramid of 90 degrees has a sixth of the sphere.
+  EXPECT_NEAR(glare.solid_angle, 4 * M_PI / 6, 0.002);
+  EXPECT_THROW(picture_glare(map, loaded.scene->sensor(), {1, 0, 0}, 1000), Error);
+}
+
+TEST(Photometry, StatisticsAndScales) {
+  PhotometricMap map{4, 2, {100, 200, 300, 400, 500, 600, 700, NAN}, "illuminance", "lx"};
+  const MapStatistics s = map_statistics(map, {0, 0, 4, 2});
+  EXPECT_EQ(s.count, 7u);
+  EXPECT_EQ(s.mean, 400);
+  EXPECT_EQ(s.median, 400);
+  EXPECT_EQ(s.uniformity(), 0.25);
+  EXPECT_NEAR(s.diversity(), 1 / 7.0, 1e-12);
+  EXPECT_EQ(map_statistics(map, {1, 0, 2, 1}).mean, 250);
+  EXPECT_THROW(map_statistics(map, {1, 0, 4, 1}), Error);
+  EXPECT_THROW(map_statistics(map, {3, 1, 1, 1}), Error);
+  const ColorScale linear = map_scale(map, {}, 1000, false, {300, 500});
+  EXPECT_EQ(linear.low, 0);
+  EXPECT_EQ(linear.high, 1000);
+  EXPECT_EQ(linear.contours, (std::vector<double>{300, 500}));
+  EXPECT_EQ(linear.title, "illuminance, lx");
+  const ColorScale decades = map_scale(map, 10, 1000, true, {});
+  EXPECT_TRUE(decades.is_logarithmic);
+  EXPECT_EQ(decades.high, 1000);
+  const std::vector<double> labels = scale_labels(decades);
+  ASSERT_EQ(labels.size(), 7u);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    EXPECT_NEAR(labels[i], (std::vector<double>{10, 20, 50, 100, 200, 500, 1000})[i], 1e-9);
+  EXPECT_THROW(map_scale(map, 10, 5, false, {}), Error);
+  EXPECT_THROW(photometric_map({.width = 1, .height = 1, .channels = {"R", "G", "B"}, .pixels = {1, 1, 1}},
+                               "R: linear sRGB", "x"),
+               Error);
+}
+
+TEST(Photometry, OpenGroundUnderSkyAndSun) {
+  const std::string ball = "<shape type='sphere'/>";
+  const std::string camera = "<sensor type='radiancemeter'/>";
+  const auto open = [&](const std::string& emitters, const Vec3& up) {
+    return open_illuminance(*scene(camera + ball + emitters).scene, up);
+  };
+  const std::string sky =
+      "<emitter type='ciesky'><string name='amount' value='12 klx'/><transform name='to_world'><rotate x='1' angle='-90'/></transform></emitter>";
+  EXPECT_NEAR(open(sky, {0, 1, 0}), 12000, 12);
+  const std::string sun =
+      "<emitter type='directional'><vector name='direction' x='0' y='-3' z='-4'/><string name='amount' value='50 klx'/></emitter>";
+  EXPECT_NEAR(open(sun, {0, 1, 0}), 30000, 30);
+  EXPECT_NEAR(open(sky + sun, {0, 1, 0}), 42000, 42);
+  EXPECT_EQ(open("", {0, 1, 0}), 0);
+}
+
+}  // namespace
+}  // namespace aureole::test
