@@ -174,6 +174,83 @@ def difference(a, b):
     return np.abs(a - b)[seen].mean() / b[seen].mean(), (a - b)[seen].mean() / b[seen].mean()
 
 
+def reduced(picture, factor=4):
+    h, w = picture.shape[:2]
+    return picture.reshape(h // factor, factor, w // factor, factor, 3).mean((1, 3))
+
+
+def text(name, value):
+    return f'<string name="{name}" value="{value}"/>'
+
+
+def settings_of(shade):
+    """Ways of `dvr` to the picture: name, step in voxels (of the smallest distance), parameters."""
+    steps = [0.25, 0.5, 1, 1.5, 2, 3, 4]
+    ways = [(f"post, {s:g} voxels", s, "") for s in steps]
+    ways += [(f"preintegrated, {s:g} voxels", s, text("classification", "preintegrated")) for s in steps]
+    ways += [(f"adaptive, tolerance {t:g}", 1, text("steps", "adaptive") + f'<float name="tolerance" value="{t}"/>')
+             for t in (0.3, 0.1, 0.03, 0.01, 0.003)]
+    return ways
+
+
+def equal_error(make, voxel, shade):
+    """Times of `dvr` to the error of VTK's casters, in pictures of one sample a pixel that are then averaged over 4 x 4 pixels.
+    The reference has an eighth of VTK's step. Prints a table; `make(step)` returns the comparison with that step."""
+    fine = make(voxel / 16)
+    truth = reduced(fine.ours(4, text("classification", "preintegrated"))[0])
+    print(f"  {'error':>8} {'seconds':>8}  of a picture")
+    rows = []
+    for mapper, name in (("fixed", "VTK by fixed point"), ("gpu", "VTK by OpenGL")):
+        for step in (0.5, 1) if mapper == "fixed" else (0.5,):
+            picture, seconds = make(voxel * step).vtk(voxel * step, mapper)
+            rows.append((difference(reduced(picture), truth)[0], seconds, f"{name}, {step:g} voxels"))
+    ours = []
+    for name, step, extra in settings_of(shade):
+        c = make(voxel * step)
+        picture, seconds = c.ours(1, extra)
+        seconds = min(seconds, c.ours(1, extra)[1])
+        ours.append((difference(reduced(picture), truth)[0], seconds, name))
+    for error, seconds, name in rows + ours:
+        print(f"  {100 * error:7.2f} % {seconds:8.2f}  {name}")
+    for error, seconds, name in rows:
+        fast = min((row for row in ours if row[0] <= error), key=lambda row: row[1], default=None)
+        if fast:
+            print(f"  to the error of {name}: {fast[1] / seconds:.2f} of its time, by {fast[2]}")
+        else:
+            print(f"  to the error of {name}: not reached")
+
+
+def plot_steps(make, voxel, file):
+    """Draws the error of each discrete form by its step, for the unshaded picture."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    truth = make(voxel / 32).ours(1, text("classification", "preintegrated"))[0]
+    steps = [0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8]
+    forms = [("opacity_weighted, exponential", ""), ("premultiplied", text("form", "premultiplied")),
+             ("taylor", text("alpha", "taylor")), ("preintegrated", text("classification", "preintegrated"))]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True)
+    for name, extra in forms:
+        found = [make(voxel * s).ours(1, extra) for s in steps]
+        errors = [100 * difference(picture, truth)[0] for picture, _ in found]
+        left.loglog(steps, errors, "o-", label=name)
+        right.loglog([seconds for _, seconds in found], errors, "o-", label=name)
+        print(f"{name}: " + ", ".join(f"{s:g} voxels {e:.3f} %" for s, e in zip(steps, errors)))
+    found = []
+    for tolerance in (0.3, 0.1, 0.03, 0.01, 0.003, 0.001):
+        found.append(make(voxel).ours(1, text("steps", "adaptive") + f'<float name="tolerance" value="{tolerance}"/>'))
+        print(f"adaptive, tolerance {tolerance:g}: {100 * difference(found[-1][0], truth)[0]:.3f} %")
+    right.loglog([seconds for _, seconds in found], [100 * difference(picture, truth)[0] for picture, _ in found], "s--", label="adaptive")
+    left.set_xlabel("step [voxels]"), right.set_xlabel("seconds of a picture")
+    left.set_ylabel("mean absolute error [% of the mean]")
+    for axis in (left, right):
+        axis.grid(alpha=0.3), axis.legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(file, dpi=110)
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--head", type=Path, help="Cranium.inv3 of Debian's package invesalius-examples")
@@ -181,29 +258,41 @@ def main():
     p.add_argument("--size", type=int, nargs=2, default=[1280, 720])
     p.add_argument("--program", type=Path, default=ROOT / "build/release/bin/aureole")
     p.add_argument("--keep", type=Path, help="a folder for the scene and the pictures")
+    p.add_argument("--plot", type=Path, help="writes a plot of steps against error of dvr alone, without VTK, as this file")
+    p.add_argument("--skip-differences", action="store_true", help="times alone")
     a = p.parse_args()
     values, spacing = read_head(a.head) if a.head else phantom(a.phantom)
     with tempfile.TemporaryDirectory() as name:
         folder = a.keep or Path(name)
         folder.mkdir(exist_ok=True, parents=True)
         (folder / "volume.vol").unlink(missing_ok=True)  # of an earlier run, maybe with another volume
+        voxel = min(spacing)
         print(f"volume {values.shape[::-1]}, spacing {[round(float(s), 3) for s in spacing]} mm, picture {a.size[0]} x {a.size[1]}")
+        if a.plot:
+            plot_steps(lambda step: Comparison(values, spacing, [640, 360], step, False, folder, a.program), voxel, a.plot)
+            return
         for shade in (False, True):
-            c = Comparison(values, spacing, a.size, min(spacing) / 2, shade, folder, a.program)
-            reference = Comparison(values, spacing, [s // 4 for s in a.size], min(spacing) / 2, shade, folder, a.program)
-            ours, _ = reference.ours(64)
-            pictures = {"ours": ours}
-            for mapper, name in (("gpu", "OpenGL"), ("fixed", "fixed point")):
-                pictures[mapper], _ = reference.vtk(reference.step, mapper, scale=4, frames=1)
-                mean_abs, mean = difference(ours, pictures[mapper])
-                print(f"{'shaded' if shade else 'unshaded'}, from VTK by {name}: mean absolute difference {100 * mean_abs:.2f} %, "
-                      f"mean difference {100 * mean:+.2f} %")
-            _, seconds = c.ours(1)
+            print("shaded" if shade else "unshaded")
+            c = Comparison(values, spacing, a.size, voxel / 2, shade, folder, a.program)
+            if not a.skip_differences:
+                reference = Comparison(values, spacing, [s // 4 for s in a.size], voxel / 2, shade, folder, a.program)
+                ours, _ = reference.ours(64)
+                pictures = {"ours": ours}
+                for mapper, name in (("gpu", "OpenGL"), ("fixed", "fixed point")):
+                    pictures[mapper], _ = reference.vtk(reference.step, mapper, scale=4, frames=1)
+                    mean_abs, mean = difference(ours, pictures[mapper])
+                    print(f"  from VTK by {name}: mean absolute difference {100 * mean_abs:.2f} %, mean difference {100 * mean:+.2f} %")
+                if a.keep:
+                    np.savez(folder / f"{'shaded' if shade else 'unshaded'}.npz", **pictures)
+            seconds = min(c.ours(1)[1] for _ in range(3))
             _, theirs = c.vtk(c.step)
             _, fixed = c.vtk(c.step, "fixed")
-            print(f"  seconds of a picture: dvr {seconds:.2f}, VTK ray cast by OpenGL {theirs:.2f}, by fixed point {fixed:.2f}")
-            if a.keep:
-                np.savez(folder / f"{'shaded' if shade else 'unshaded'}.npz", **pictures)
+            print(f"  seconds of a picture with the same step: dvr {seconds:.2f}, VTK by OpenGL {theirs:.2f}, by fixed point {fixed:.2f}")
+            small = Comparison(values, spacing, [640, 360], voxel / 2, shade, folder, a.program)
+            for name, extra in (("half a voxel", ""), ("adaptive, tolerance 0.03", text("steps", "adaptive") + '<float name="tolerance" value="0.03"/>')):
+                frame = min(small.ours(1, extra)[1] for _ in range(5))
+                print(f"  640 x 360, steps of {name}: {1 / frame:.1f} frames a second")
+            equal_error(lambda step: Comparison(values, spacing, a.size, step, shade, folder, a.program), voxel, shade)
 
 
 if __name__ == "__main__":

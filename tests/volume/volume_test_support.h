@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -88,7 +89,7 @@ inline std::string choice(const std::string& name, const std::string& value) {
   return "<string name=\"" + name + "\" value=\"" + value + "\"/>";
 }
 
-template <class F>
+template <std::invocable F>
 std::string error_of(F&& f) {
   try {
     f();
