@@ -9,6 +9,7 @@ numbers are the same. VTK's two ray casters shade differently: that by fixed poi
 Blinn's highlights, as `dvr` by default. There is no ambient light: VTK multiplies it by that of the lights, which is black by default.
 """
 import argparse
+import os
 import plistlib
 import re
 import struct
@@ -90,6 +91,15 @@ class Comparison:
     <float name="ambient" value="0"/><float name="diffuse" value="0.7"/><float name="specular" value="0.2"/><float name="shininess" value="10"/>
   </medium></shape></scene>"""
 
+    def cpu_seconds(self, extra=""):
+        """CPU seconds of one sample a pixel, from the difference of five samples and one."""
+        used = []
+        for spp in (1, 5):
+            before = os.times().children_user
+            self.ours(spp, extra)
+            used.append(os.times().children_user - before)
+        return (used[1] - used[0]) / 4
+
     def ours(self, spp, extra=""):
         """The linear RGB picture and the seconds of rendering alone."""
         import OpenEXR
@@ -106,7 +116,7 @@ class Comparison:
         return np.asarray(rgb, float), seconds
 
     def vtk(self, step, mapper="gpu", scale=1, frames=3):
-        """VTK's picture, averaged over `scale` x `scale` pixels, and the seconds of a frame."""
+        """VTK's picture, averaged over `scale` x `scale` pixels, and the seconds of a frame; sets `vtk_cpu`, its CPU seconds."""
         import vtk
         from vtk.util import numpy_support
 
@@ -152,17 +162,18 @@ class Comparison:
         camera.SetPosition(*self.position), camera.SetFocalPoint(*self.center), camera.SetViewUp(0, 0, 1), camera.SetViewAngle(30)
         renderer.ResetCameraClippingRange()
         window.Render()
-        best = float("inf")
+        best, self.vtk_cpu = float("inf"), None
         for _ in range(frames):
             camera.Azimuth(0)
             ray_cast.Modified()
-            start = time.perf_counter()
+            start, start_cpu = time.perf_counter(), time.process_time()
             window.Render()
             grab = vtk.vtkWindowToImageFilter()
             grab.SetInput(window)
             grab.ReadFrontBufferOff()
             grab.Update()
             best = min(best, time.perf_counter() - start)
+            self.vtk_cpu = min(self.vtk_cpu or best * 64, time.process_time() - start_cpu)
         data = numpy_support.vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars())
         picture = data.reshape(self.size[1] * scale, self.size[0] * scale, -1)[::-1, :, :3] / 255
         return picture.reshape(self.size[1], scale, self.size[0], scale, 3).mean((1, 3)), best
@@ -183,39 +194,40 @@ def text(name, value):
     return f'<string name="{name}" value="{value}"/>'
 
 
-def settings_of(shade):
+def settings_of():
     """Ways of `dvr` to the picture: name, step in voxels (of the smallest distance), parameters."""
-    steps = [0.25, 0.5, 1, 1.5, 2, 3, 4]
-    ways = [(f"post, {s:g} voxels", s, "") for s in steps]
-    ways += [(f"preintegrated, {s:g} voxels", s, text("classification", "preintegrated")) for s in steps]
+    ways = [(f"post, {s:g} voxels", s, "") for s in (0.25, 0.5, 0.6, 0.75, 1, 1.5)]
+    ways += [(f"preintegrated, {s:g} voxels", s, text("classification", "preintegrated")) for s in (0.5, 1)]
+    ways += [(f"by_opacity {o:g}, from {s:g} voxels", s, text("steps", "by_opacity") + f'<float name="step_opacity" value="{o}"/>')
+             for s, o in ((0.5, 0.005), (0.5, 0.02), (0.5, 0.05), (0.25, 0.02), (0.25, 0.05))]
     ways += [(f"adaptive, tolerance {t:g}", 1, text("steps", "adaptive") + f'<float name="tolerance" value="{t}"/>')
-             for t in (0.3, 0.1, 0.03, 0.01, 0.003)]
+             for t in (0.1, 0.03)]
     return ways
 
 
 def equal_error(make, voxel, shade):
     """Times of `dvr` to the error of VTK's casters, in pictures of one sample a pixel that are then averaged over 4 x 4 pixels.
-    The reference has an eighth of VTK's step. Prints a table; `make(step)` returns the comparison with that step."""
-    fine = make(voxel / 16)
-    truth = reduced(fine.ours(4, text("classification", "preintegrated"))[0])
-    print(f"  {'error':>8} {'seconds':>8}  of a picture")
-    rows = []
+    The reference has a quarter of VTK's step and four samples a pixel. CPU seconds hardly depend on other work on the machine.
+    Prints a table; `make(step)` returns the comparison with that step."""
+    truth = reduced(make(voxel / 8).ours(4)[0])
+    rows, ours = [], []
     for mapper, name in (("fixed", "VTK by fixed point"), ("gpu", "VTK by OpenGL")):
         for step in (0.5, 1) if mapper == "fixed" else (0.5,):
-            picture, seconds = make(voxel * step).vtk(voxel * step, mapper)
-            rows.append((difference(reduced(picture), truth)[0], seconds, f"{name}, {step:g} voxels"))
-    ours = []
-    for name, step, extra in settings_of(shade):
+            c = make(voxel * step)
+            picture, seconds = c.vtk(voxel * step, mapper)
+            rows.append((difference(reduced(picture), truth)[0], c.vtk_cpu, seconds, f"{name}, {step:g} voxels"))
+    for name, step, extra in settings_of():
         c = make(voxel * step)
         picture, seconds = c.ours(1, extra)
         seconds = min(seconds, c.ours(1, extra)[1])
-        ours.append((difference(reduced(picture), truth)[0], seconds, name))
-    for error, seconds, name in rows + ours:
-        print(f"  {100 * error:7.2f} % {seconds:8.2f}  {name}")
-    for error, seconds, name in rows:
+        ours.append((difference(reduced(picture), truth)[0], c.cpu_seconds(extra), seconds, name))
+    print("     error  CPU seconds  seconds  of a picture")
+    for error, cpu, seconds, name in rows + ours:
+        print(f"  {100 * error:6.2f} % {cpu:12.2f} {seconds:8.2f}  {name}")
+    for error, cpu, seconds, name in rows:
         fast = min((row for row in ours if row[0] <= error), key=lambda row: row[1], default=None)
         if fast:
-            print(f"  to the error of {name}: {fast[1] / seconds:.2f} of its time, by {fast[2]}")
+            print(f"  to the error of {name}: {fast[1] / cpu:.2f} of its CPU time, {fast[2] / seconds:.2f} of its time, by {fast[3]}")
         else:
             print(f"  to the error of {name}: not reached")
 
@@ -227,11 +239,12 @@ def plot_steps(make, voxel, file):
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
 
-    truth = make(voxel / 32).ours(1, text("classification", "preintegrated"))[0]
+    truth = make(voxel / 32).ours(1)[0]
     steps = [0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8]
     forms = [("opacity_weighted, exponential", ""), ("premultiplied", text("form", "premultiplied")),
              ("taylor", text("alpha", "taylor")), ("preintegrated", text("classification", "preintegrated"))]
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True)
+    forms.append(("by_opacity, from that step", text("steps", "by_opacity")))
     for name, extra in forms:
         found = [make(voxel * s).ours(1, extra) for s in steps]
         errors = [100 * difference(picture, truth)[0] for picture, _ in found]
@@ -267,6 +280,7 @@ def main():
         folder.mkdir(exist_ok=True, parents=True)
         (folder / "volume.vol").unlink(missing_ok=True)  # of an earlier run, maybe with another volume
         voxel = min(spacing)
+        print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
         print(f"volume {values.shape[::-1]}, spacing {[round(float(s), 3) for s in spacing]} mm, picture {a.size[0]} x {a.size[1]}")
         if a.plot:
             plot_steps(lambda step: Comparison(values, spacing, [640, 360], step, False, folder, a.program), voxel, a.plot)
@@ -289,9 +303,9 @@ def main():
             _, fixed = c.vtk(c.step, "fixed")
             print(f"  seconds of a picture with the same step: dvr {seconds:.2f}, VTK by OpenGL {theirs:.2f}, by fixed point {fixed:.2f}")
             small = Comparison(values, spacing, [640, 360], voxel / 2, shade, folder, a.program)
-            for name, extra in (("half a voxel", ""), ("adaptive, tolerance 0.03", text("steps", "adaptive") + '<float name="tolerance" value="0.03"/>')):
-                frame = min(small.ours(1, extra)[1] for _ in range(5))
-                print(f"  640 x 360, steps of {name}: {1 / frame:.1f} frames a second")
+            for name, extra in (("half a voxel", ""), ("by_opacity", text("steps", "by_opacity"))):
+                frame, cpu = min(small.ours(1, extra)[1] for _ in range(5)), small.cpu_seconds(extra)
+                print(f"  640 x 360, steps {name}: {1 / frame:.1f} frames a second, {cpu:.2f} CPU seconds each")
             equal_error(lambda step: Comparison(values, spacing, a.size, step, shade, folder, a.program), voxel, shade)
 
 

@@ -216,7 +216,7 @@ TEST(DvrMask, NotesAndErrors) {
     return all;
   };
   EXPECT_NE(notes({1, 7, 7, 8}, text("opacity", "1: 0 0.5; 3: 0 0.2"))
-                .find("labels without a function are transparent: 7 (2 voxels), 8 (1 voxels)"),
+                .find("labels without a function are transparent: 7 (2 voxels), 8 (1 voxel)"),
             std::string::npos);
   EXPECT_NE(notes({1, 7}, text("opacity", "1: 0 0.5; 3: 0 0.2; 0 0"))
                 .find("no voxel has the labels of these functions: 3"),
@@ -463,6 +463,52 @@ TEST(DvrSteps, AdaptiveStepsEndWhereTheVolumeDoes) {
               1e-5);
 }
 
+TEST(DvrSteps, StepsByOpacity) {
+  const VolumeFolder folder;
+  // A slab of one number is exact with any steps.
+  for (const double opacity : {0.5, 0.05, 0.002}) {
+    const auto slab = volume_of(folder, "slab", {32, 32, 32}, std::vector<float>(32 * 32 * 32, 1),
+                                text("extinction", "0 2") + text("clip_box", "0 0 0.1 1 1 0.83"));
+    const Seen seen =
+        look(scene_of(dvr(kMeasures + text("steps", "by_opacity") + number("step_opacity", opacity)), slab),
+             kAlongZ);
+    EXPECT_NEAR(seen.measures[0], 2 * 0.73, 1e-5) << opacity;
+    // Steps of 2 T h = opacity, from half a voxel to four, and the ends of blocks of four voxels.
+    EXPECT_LE(seen.measures[3], 1 + 0.73 * 64);
+    EXPECT_GE(seen.measures[3], 0.73 * 8);
+  }
+  // The error falls with the opacity, and is smaller than that of fixed steps with as many lookups.
+  const std::string content = ball(
+      folder, text("extinction", "0.02 0, 0.5 1, 0.85 60") + text("colors", "0 0.1 0.1 0.1, 1 1 1 1"), 64);
+  double sums[3] = {0, 0, 0}, fixed_sum = 0, lookups[3] = {0, 0, 0};
+  const double opacities[] = {0.2, 0.02, 0.002};
+  constexpr int kRays = 16;
+  for (int i = 0; i < kRays; ++i) {
+    const Ray ray{{0.4f + 0.013f * float(i), 0.37f + 0.011f * float(i), -1}, {0, 0, 1}};
+    const double exact =
+        look(scene_of(dvr(number("step", 1e-4) + number("termination", 0)), content), ray).radiance;
+    for (int k = 0; k < 3; ++k) {
+      const Seen seen = look(scene_of(dvr(kMeasures + text("steps", "by_opacity") + number("step", 1e-3) +
+                                          number("termination", 0) + number("step_opacity", opacities[k])),
+                                      content),
+                             ray);
+      sums[k] += std::pow(seen.radiance - exact, 2), lookups[k] += double(seen.measures[3]);
+      if (k != 1) continue;
+      const Seen fixed = look(
+          scene_of(dvr(kMeasures + number("step", 1 / double(seen.measures[3])) + number("termination", 0)),
+                   content),
+          ray);
+      EXPECT_LE(fixed.measures[3], seen.measures[3] + 1);
+      fixed_sum += std::pow(fixed.radiance - exact, 2);
+    }
+  }
+  EXPECT_LT(sums[1], sums[0]);
+  EXPECT_LE(sums[2], sums[1]);
+  EXPECT_GT(lookups[1], lookups[0]);
+  EXPECT_LT(sums[1], fixed_sum);
+  EXPECT_LT(std::sqrt(sums[1] / kRays), 2e-3);
+}
+
 TEST(DvrSteps, BadInput) {
   const VolumeFolder folder;
   const std::string content = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("opacity", "0 0.5"));
@@ -476,6 +522,11 @@ TEST(DvrSteps, BadInput) {
   fails(text("alpha", "taylor"), "exponential");
   fails(text("classification", "post"), "preintegrated");
   fails(text("method", "mip"), "composite and xray");
+  fails(R"(<boolean name="jitter" value="true"/>)", "no effect on adaptive steps");
+  EXPECT_NE(problem(dvr(number("step_opacity", 0.01)), content).find("by_opacity"), std::string::npos);
+  EXPECT_NE(
+      problem(dvr(text("steps", "by_opacity")), content + content).find("takes the numbers of one volume"),
+      std::string::npos);
   EXPECT_NE(problem(dvr(number("tolerance", 0.01)), content).find("adaptive steps"), std::string::npos);
 }
 

@@ -55,10 +55,12 @@ public:
     note_unseen_isosurfaces(media);
     using enum DvrSettings::Method;
     const DvrSettings::Method method = settings_.method;
-    const bool is_of_one = method == mip || method == average || method == splatting;
+    const bool is_by_opacity = settings_.steps == DvrSettings::Steps::by_opacity;
+    const bool is_of_one = method == mip || method == average || method == splatting || is_by_opacity;
     if (is_of_one && media.size() > 1)
       throw properties().error(
-          "method", fmt::format("takes the numbers of one volume, but the scene has {}", media.size()));
+          is_by_opacity ? "steps" : "method",
+          fmt::format("takes the numbers of one volume, but the scene has {}", media.size()));
     for (const ClassifiedMedium* medium : media) require_classification(medium->classification());
     const bool needs_emission = !settings_.gradient_lighting && method != single_scattering && method != xray;
     for (const ClassifiedMedium* medium : media)
@@ -114,7 +116,16 @@ public:
       path.ray.o = path.ray.o + path.ray.d * shift;
       path.ray.t_max -= shift;
     }
-    behind().trace(scene, paths, splats, log);
+    // Paths behind which no light passes are not followed, unless they leave light elsewhere or are replayed.
+    bool follows_all = behind().leaves() != Leaves::pixel;
+    for (std::size_t i = 0; i < paths.size(); ++i) follows_all |= log.follows(int(i));
+    for (std::size_t i = 0; i < paths.size();) {
+      std::size_t end = i;
+      while (end < paths.size() && (follows_all || results[end].transmittance > 0)) ++end;
+      if (end > i) behind().trace(scene, paths.subspan(i, end - i), splats, log);
+      for (i = end; i < paths.size() && !(follows_all || results[i].transmittance > 0); ++i)
+        paths[i].result = {};
+    }
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       const VolumeResult& r = results[i];
@@ -205,6 +216,7 @@ AUREOLE_PLUGIN(
          R"(<integrator type="dvr"><string name="method" value="isosurface"/><string name="isovalues" value="0.2, 0.6"/>
     <boolean name="measures" value="true"/></integrator>)",
          R"(<integrator type="dvr"><string name="steps" value="adaptive"/><float name="tolerance" value="0.005"/></integrator>)",
+         R"(<integrator type="dvr"><string name="steps" value="by_opacity"/><float name="step_opacity" value="0.01"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="splatting"/><string name="sheets" value="image"/>
     <float name="kernel_width" value="0.7"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="emission_absorption"/><float name="tolerance" value="0.01"/></integrator>)"}});

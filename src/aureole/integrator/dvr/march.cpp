@@ -76,13 +76,12 @@ VolumeResult VolumeMarch::follow() {
     default:
       break;
   }
-  using enum DvrSettings::Order;
-  is_emission_ = parts_.size() == 1 && !settings_.gradient_lighting &&
-                 settings_.method != Method::single_scattering && settings_.order == front_to_back &&
-                 settings_.form == DvrSettings::Form::opacity_weighted &&
-                 settings_.alpha == DvrSettings::Alpha::exponential;
-  if (!is_emission_ || settings_.adaptive) find_active();
-  if (settings_.adaptive) return adapt();
+  const bool is_adaptive = settings_.steps == DvrSettings::Steps::adaptive;
+  is_one_ = parts_.size() == 1 && settings_.order == DvrSettings::Order::front_to_back &&
+            settings_.form == DvrSettings::Form::opacity_weighted &&
+            settings_.alpha == DvrSettings::Alpha::exponential;
+  if (!is_one_ || is_adaptive) find_active();
+  if (is_adaptive) return adapt();
   if (settings_.method == Method::composite || settings_.method == Method::xray)
     return composite(settings_.step);
   return integrate();
@@ -144,7 +143,7 @@ void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
 }
 
 VolumeResult VolumeMarch::composite(float length) {
-  if (is_emission_) return composite_emission(length);
+  if (is_one_) return composite_one(length);
   VolumeResult result;
   const float offset = settings_.jitter ? random_.next() : 0.5f;
   const bool is_forward = settings_.order == DvrSettings::Order::front_to_back;

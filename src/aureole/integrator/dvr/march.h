@@ -64,8 +64,8 @@ private:
   /// Finds the parts of the ray in which the media may absorb.
   void find_active();
   VolumeResult composite(float step);
-  /// Composites one volume whose light needs no lights of the scene (emission.cpp): as `composite`, in a shorter loop.
-  VolumeResult composite_emission(float step);
+  /// Composites one volume from front to back (one_volume.cpp): as `composite`, in a shorter loop.
+  VolumeResult composite_one(float step);
   VolumeResult integrate();
   /// Composites adaptive steps (adaptive.cpp).
   VolumeResult adapt();
@@ -97,7 +97,7 @@ private:
   VolumeLighting lighting_;
   std::vector<Part> parts_;
   float begin_ = 0, end_ = 0;  ///< distances along `ray_`
-  bool is_emission_ = false;   ///< whether `composite_emission` composites the ray
+  bool is_one_ = false;        ///< whether `composite_one` composites the ray
   float length_ = 0;           ///< of the sensor's ray up to a surface
 };
 

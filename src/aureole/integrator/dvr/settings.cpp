@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/dvr/settings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "aureole/plugin/number_list.h"
@@ -28,7 +30,9 @@ DvrSettings DvrSettings::read(const Properties& p) {
                 ? Order::back_to_front
                 : Order::front_to_back;
   s.preintegrated = p.get_choice("classification", "post", {"post", "preintegrated"}) == "preintegrated";
-  s.adaptive = p.get_choice("steps", "fixed", {"fixed", "adaptive"}) == "adaptive";
+  const std::string steps = p.get_choice("steps", "fixed", {"fixed", "adaptive", "by_opacity"});
+  s.steps = steps == "fixed" ? Steps::fixed : steps == "adaptive" ? Steps::adaptive : Steps::by_opacity;
+  s.step_opacity = float(p.get_float("step_opacity", 0.02, {1e-5, 1}));
   s.sheets = p.get_choice("sheets", "axis", {"axis", "image"}) == "image" ? Sheets::image : Sheets::axis;
   s.kernel_width = float(p.get_float("kernel_width", 0.6, {0.3, 3}));
   s.jitter = p.get_bool("jitter", false);
@@ -66,8 +70,11 @@ DvrSettings DvrSettings::read(const Properties& p) {
   only_for({"step"}, {composite, emission_absorption, single_scattering, mip, average, xray, splatting},
            "those that take steps");
   only_for({"jitter"}, {composite, mip, average, xray}, "composite, mip, average and xray");
-  if (!s.adaptive) only_for({"tolerance"}, {emission_absorption}, "emission_absorption and adaptive steps");
-  if (s.adaptive) only_for({"steps"}, {composite, xray}, "composite and xray");
+  if (s.steps != Steps::adaptive)
+    only_for({"tolerance"}, {emission_absorption}, "emission_absorption and adaptive steps");
+  if (s.steps != Steps::fixed) only_for({"steps"}, {composite, xray}, "composite and xray");
+  if (p.has("step_opacity") && s.steps != Steps::by_opacity)
+    throw p.error("step_opacity", "has no effect without <string name=\"steps\" value=\"by_opacity\"/>");
   only_for({"sheets", "kernel_width"}, {splatting}, "splatting");
   if (p.has("step") && s.method == splatting && s.sheets == Sheets::axis)
     throw p.error("step",
@@ -82,16 +89,21 @@ DvrSettings DvrSettings::read(const Properties& p) {
       throw p.error(name, "has no effect without <string name=\"lighting\" value=\"gradient\"/>");
   if (p.has("occlusion_radius") && s.occlusion_samples == 0)
     throw p.error("occlusion_radius", "has no effect without \"ambient_occlusion\", the number of rays");
-  if (s.adaptive) {
-    const auto not_adaptive = [&](const char* name, bool is_wrong, const char* message) {
-      if (is_wrong) throw p.error(name, std::string("adaptive steps ") + message);
+  if (s.steps != Steps::fixed) {
+    const auto refuse = [&](const char* name, bool is_wrong, const char* message) {
+      if (is_wrong) throw p.error(name, fmt::format("steps \"{}\" {}", steps, message));
     };
-    not_adaptive("order", s.order == Order::back_to_front, "go from front to back");
-    not_adaptive("form", s.form == Form::premultiplied, "need the form \"opacity_weighted\"");
-    not_adaptive("alpha", s.alpha == Alpha::taylor, "need an exponential alpha");
-    not_adaptive("jitter", s.jitter, "have ends and middles as samples: leave \"jitter\" out");
-    not_adaptive("classification", p.has("classification") && !s.preintegrated,
-                 "take the mean of the function between two samples, \"preintegrated\"");
+    refuse("order", s.order == Order::back_to_front, "go from front to back");
+    refuse("form", s.form == Form::premultiplied, "need the form \"opacity_weighted\"");
+    refuse("alpha", s.alpha == Alpha::taylor, "need an exponential alpha");
+    refuse("skip_empty", !s.skip_empty, "need the blocks that are skipped");
+  }
+  if (s.steps == Steps::adaptive) {
+    if (s.jitter)
+      throw p.error("jitter", "has no effect on adaptive steps, whose samples are their ends and middles");
+    if (p.has("classification") && !s.preintegrated)
+      throw p.error("classification",
+                    "adaptive steps take the mean of the function between two samples, \"preintegrated\"");
     s.preintegrated = true;
   }
   if (s.method == single_scattering) s.jitter = true;
@@ -123,8 +135,11 @@ std::vector<ParameterDoc> DvrSettings::rows() {
        "length of a step along the ray; the last one is shorter. A ray has at most 1,048,576 steps, else they are longer. Adaptive "
        "steps begin with it; splatting: distance of sheets parallel to the image (default: a voxel)"},
       {"steps", "string", "", "fixed",
-       "fixed: all of the length `step`; adaptive: from a 64th to 8 times that length, so that the estimated error of a ray's "
-       "light, in units of the light of white, and of its transmittance stays below `tolerance`"},
+       "fixed: all of the length `step`; by_opacity: from `step` to 8 times that length, so that none can absorb more than the part "
+       "`step_opacity` of the light from behind, by the bound of its block (one volume); adaptive: from a 64th to 8 times `step`, "
+       "so that the estimated error of a ray's light, in units of the light of white, and of its transmittance stays below `tolerance`"},
+      {"step_opacity", "float", "", "0.02",
+       "largest part of the light from behind that a step by_opacity can absorb"},
       {"jitter", "boolean", "", "false",
        "samples lie at a random place of their steps, the same one along a ray, instead of the middle"},
       {"skip_empty", "boolean", "", "true",

@@ -26,16 +26,20 @@ struct DvrSettings {
   enum class Order { front_to_back, back_to_front };
   /// The planes on which splatting adds footprints up: those of voxels, or planes parallel to the picture.
   enum class Sheets { axis, image };
+  /// Lengths of steps: all equal; halved until the light agrees with that of both halves; by the bounds of blocks.
+  enum class Steps { fixed, adaptive, by_opacity };
 
   Method method;
   Form form;
   Alpha alpha;
   Order order;
   Sheets sheets;
-  bool preintegrated, jitter, skip_empty, adaptive;
+  Steps steps;
+  bool preintegrated, jitter, skip_empty;
   float step;          ///< in the world; 0: half of the smallest distance of voxels
   float termination;   ///< transmittance below which the rest of a ray is left out; 0: never
   float tolerance;     ///< of emission_absorption, relative to the light of the ray, and of adaptive steps
+  float step_opacity;  ///< largest part of the light from behind that a step `by_opacity` can absorb
   float kernel_width;  ///< standard deviation of splatting's kernel [voxels]
   Vec3 view{0, 0, 1};  ///< unit direction in which the sensor looks, for splatting
   bool gradient_lighting, shadows, halfway;

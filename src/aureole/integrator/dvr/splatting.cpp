@@ -51,6 +51,7 @@ VolumeResult VolumeMarch::splat() {
   const ClassifiedMedium& medium = *part.medium;
   const ScalarField& field = medium.field();
   const std::array<int, 3>& size = field.size();
+  const TransferFunction* const function = medium.classification().only_function();
   const bool are_parallel = settings_.sheets == DvrSettings::Sheets::image;
   // The ray in units of voxels: o + t d, of which a unit of length in the world is `scale` long.
   const Vec3 o = field.index_of(ray_.o), d = field.index_vector(ray_.d);
@@ -123,8 +124,13 @@ VolumeResult VolumeMarch::splat() {
         index[a] = i, index[b] = j, index[axis] = k;
         const float number = field.voxel(index[0], index[1], index[2]);
         ++result.lookups;
+        Sample s;
+        if (function) {
+          s = function->at(number);
+          if (!(s.extinction > 0)) continue;
+        }
         const Vec3 centre = field.point_of_index({float(index[0]), float(index[1]), float(index[2])});
-        const Sample s = medium.classify(centre, number);
+        if (!function) s = medium.classify(centre, number);
         if (!(s.extinction > 0) || !medium.contains(centre)) continue;
         const float thickness = s.extinction * density * std::exp(-0.5f * r2 / (sigma * sigma));
         if (!are_parallel) {

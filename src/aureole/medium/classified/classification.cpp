@@ -234,7 +234,7 @@ void Classification::read_classes(const Properties& p) {
   for (std::size_t label = 0; label < is_named.size(); ++label) {
     const std::size_t count = labels_->counts()[label];
     if (count > 0 && class_of_label[label] == kTransparent)
-      transparent.push_back(fmt::format("{} ({} voxels)", label, count));
+      transparent.push_back(fmt::format("{} ({} {})", label, count, count == 1 ? "voxel" : "voxels"));
     if (count == 0 && is_named[label]) absent.push_back(fmt::format("{}", label));
   }
   if (!transparent.empty())
