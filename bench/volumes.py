@@ -9,6 +9,7 @@ numbers are the same. VTK's two ray casters shade differently: that by fixed poi
 Blinn's highlights, as `dvr` by default. There is no ambient light: VTK multiplies it by that of the lights, which is black by default.
 """
 import argparse
+import os
 import plistlib
 import re
 import struct
@@ -90,6 +91,15 @@ class Comparison:
     <float name="ambient" value="0"/><float name="diffuse" value="0.7"/><float name="specular" value="0.2"/><float name="shininess" value="10"/>
   </medium></shape></scene>"""
 
+    def cpu_seconds(self, extra=""):
+        """CPU seconds of one sample a pixel, from the difference of five samples and one."""
+        used = []
+        for spp in (1, 5):
+            before = os.times().children_user
+            self.ours(spp, extra)
+            used.append(os.times().children_user - before)
+        return (used[1] - used[0]) / 4
+
     def ours(self, spp, extra=""):
         """The linear RGB picture and the seconds of rendering alone."""
         import OpenEXR
@@ -106,7 +116,7 @@ class Comparison:
         return np.asarray(rgb, float), seconds
 
     def vtk(self, step, mapper="gpu", scale=1, frames=3):
-        """VTK's picture, averaged over `scale` x `scale` pixels, and the seconds of a frame."""
+        """VTK's picture, averaged over `scale` x `scale` pixels, and the seconds of a frame; sets `vtk_cpu`, its CPU seconds."""
         import vtk
         from vtk.util import numpy_support
 
@@ -152,17 +162,18 @@ class Comparison:
         camera.SetPosition(*self.position), camera.SetFocalPoint(*self.center), camera.SetViewUp(0, 0, 1), camera.SetViewAngle(30)
         renderer.ResetCameraClippingRange()
         window.Render()
-        best = float("inf")
+        best, self.vtk_cpu = float("inf"), None
         for _ in range(frames):
             camera.Azimuth(0)
             ray_cast.Modified()
-            start = time.perf_counter()
+            start, start_cpu = time.perf_counter(), time.process_time()
             window.Render()
             grab = vtk.vtkWindowToImageFilter()
             grab.SetInput(window)
             grab.ReadFrontBufferOff()
             grab.Update()
             best = min(best, time.perf_counter() - start)
+            self.vtk_cpu = min(self.vtk_cpu or best * 64, time.process_time() - start_cpu)
         data = numpy_support.vtk_to_numpy(grab.GetOutput().GetPointData().GetScalars())
         picture = data.reshape(self.size[1] * scale, self.size[0] * scale, -1)[::-1, :, :3] / 255
         return picture.reshape(self.size[1], scale, self.size[0], scale, 3).mean((1, 3)), best
@@ -174,6 +185,85 @@ def difference(a, b):
     return np.abs(a - b)[seen].mean() / b[seen].mean(), (a - b)[seen].mean() / b[seen].mean()
 
 
+def reduced(picture, factor=4):
+    h, w = picture.shape[:2]
+    return picture.reshape(h // factor, factor, w // factor, factor, 3).mean((1, 3))
+
+
+def text(name, value):
+    return f'<string name="{name}" value="{value}"/>'
+
+
+def settings_of():
+    """Ways of `dvr` to the picture: name, step in voxels (of the smallest distance), parameters."""
+    ways = [(f"post, {s:g} voxels", s, "") for s in (0.25, 0.5, 0.6, 0.75, 1, 1.5)]
+    ways += [(f"preintegrated, {s:g} voxels", s, text("classification", "preintegrated")) for s in (0.5, 1)]
+    ways += [(f"by_opacity {o:g}, from {s:g} voxels", s, text("steps", "by_opacity") + f'<float name="step_opacity" value="{o}"/>')
+             for s, o in ((0.5, 0.005), (0.5, 0.02), (0.5, 0.05), (0.25, 0.02), (0.25, 0.05))]
+    ways += [(f"adaptive, tolerance {t:g}", 1, text("steps", "adaptive") + f'<float name="tolerance" value="{t}"/>')
+             for t in (0.1, 0.03)]
+    return ways
+
+
+def equal_error(make, voxel, shade):
+    """Times of `dvr` to the error of VTK's casters, in pictures of one sample a pixel that are then averaged over 4 x 4 pixels.
+    The reference has a quarter of VTK's step and four samples a pixel. CPU seconds hardly depend on other work on the machine.
+    Prints a table; `make(step)` returns the comparison with that step."""
+    truth = reduced(make(voxel / 8).ours(4)[0])
+    rows, ours = [], []
+    for mapper, name in (("fixed", "VTK by fixed point"), ("gpu", "VTK by OpenGL")):
+        for step in (0.5, 1) if mapper == "fixed" else (0.5,):
+            c = make(voxel * step)
+            picture, seconds = c.vtk(voxel * step, mapper)
+            rows.append((difference(reduced(picture), truth)[0], c.vtk_cpu, seconds, f"{name}, {step:g} voxels"))
+    for name, step, extra in settings_of():
+        c = make(voxel * step)
+        picture, seconds = c.ours(1, extra)
+        seconds = min(seconds, c.ours(1, extra)[1])
+        ours.append((difference(reduced(picture), truth)[0], c.cpu_seconds(extra), seconds, name))
+    print("     error  CPU seconds  seconds  of a picture")
+    for error, cpu, seconds, name in rows + ours:
+        print(f"  {100 * error:6.2f} % {cpu:12.2f} {seconds:8.2f}  {name}")
+    for error, cpu, seconds, name in rows:
+        fast = min((row for row in ours if row[0] <= error), key=lambda row: row[1], default=None)
+        if fast:
+            print(f"  to the error of {name}: {fast[1] / cpu:.2f} of its CPU time, {fast[2] / seconds:.2f} of its time, by {fast[3]}")
+        else:
+            print(f"  to the error of {name}: not reached")
+
+
+def plot_steps(make, voxel, file):
+    """Draws the error of each discrete form by its step, for the unshaded picture."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    truth = make(voxel / 32).ours(1)[0]
+    steps = [0.0625, 0.125, 0.25, 0.5, 1, 2, 4, 8]
+    forms = [("opacity_weighted, exponential", ""), ("premultiplied", text("form", "premultiplied")),
+             ("taylor", text("alpha", "taylor")), ("preintegrated", text("classification", "preintegrated"))]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True)
+    forms.append(("by_opacity, from that step", text("steps", "by_opacity")))
+    for name, extra in forms:
+        found = [make(voxel * s).ours(1, extra) for s in steps]
+        errors = [100 * difference(picture, truth)[0] for picture, _ in found]
+        left.loglog(steps, errors, "o-", label=name)
+        right.loglog([seconds for _, seconds in found], errors, "o-", label=name)
+        print(f"{name}: " + ", ".join(f"{s:g} voxels {e:.3f} %" for s, e in zip(steps, errors)))
+    found = []
+    for tolerance in (0.3, 0.1, 0.03, 0.01, 0.003, 0.001):
+        found.append(make(voxel).ours(1, text("steps", "adaptive") + f'<float name="tolerance" value="{tolerance}"/>'))
+        print(f"adaptive, tolerance {tolerance:g}: {100 * difference(found[-1][0], truth)[0]:.3f} %")
+    right.loglog([seconds for _, seconds in found], [100 * difference(picture, truth)[0] for picture, _ in found], "s--", label="adaptive")
+    left.set_xlabel("step [voxels]"), right.set_xlabel("seconds of a picture")
+    left.set_ylabel("mean absolute error [% of the mean]")
+    for axis in (left, right):
+        axis.grid(alpha=0.3), axis.legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(file, dpi=110)
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--head", type=Path, help="Cranium.inv3 of Debian's package invesalius-examples")
@@ -181,29 +271,42 @@ def main():
     p.add_argument("--size", type=int, nargs=2, default=[1280, 720])
     p.add_argument("--program", type=Path, default=ROOT / "build/release/bin/aureole")
     p.add_argument("--keep", type=Path, help="a folder for the scene and the pictures")
+    p.add_argument("--plot", type=Path, help="writes a plot of steps against error of dvr alone, without VTK, as this file")
+    p.add_argument("--skip-differences", action="store_true", help="times alone")
     a = p.parse_args()
     values, spacing = read_head(a.head) if a.head else phantom(a.phantom)
     with tempfile.TemporaryDirectory() as name:
         folder = a.keep or Path(name)
         folder.mkdir(exist_ok=True, parents=True)
         (folder / "volume.vol").unlink(missing_ok=True)  # of an earlier run, maybe with another volume
+        voxel = min(spacing)
+        print(f"load of the machine {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
         print(f"volume {values.shape[::-1]}, spacing {[round(float(s), 3) for s in spacing]} mm, picture {a.size[0]} x {a.size[1]}")
+        if a.plot:
+            plot_steps(lambda step: Comparison(values, spacing, [640, 360], step, False, folder, a.program), voxel, a.plot)
+            return
         for shade in (False, True):
-            c = Comparison(values, spacing, a.size, min(spacing) / 2, shade, folder, a.program)
-            reference = Comparison(values, spacing, [s // 4 for s in a.size], min(spacing) / 2, shade, folder, a.program)
-            ours, _ = reference.ours(64)
-            pictures = {"ours": ours}
-            for mapper, name in (("gpu", "OpenGL"), ("fixed", "fixed point")):
-                pictures[mapper], _ = reference.vtk(reference.step, mapper, scale=4, frames=1)
-                mean_abs, mean = difference(ours, pictures[mapper])
-                print(f"{'shaded' if shade else 'unshaded'}, from VTK by {name}: mean absolute difference {100 * mean_abs:.2f} %, "
-                      f"mean difference {100 * mean:+.2f} %")
-            _, seconds = c.ours(1)
+            print("shaded" if shade else "unshaded")
+            c = Comparison(values, spacing, a.size, voxel / 2, shade, folder, a.program)
+            if not a.skip_differences:
+                reference = Comparison(values, spacing, [s // 4 for s in a.size], voxel / 2, shade, folder, a.program)
+                ours, _ = reference.ours(64)
+                pictures = {"ours": ours}
+                for mapper, name in (("gpu", "OpenGL"), ("fixed", "fixed point")):
+                    pictures[mapper], _ = reference.vtk(reference.step, mapper, scale=4, frames=1)
+                    mean_abs, mean = difference(ours, pictures[mapper])
+                    print(f"  from VTK by {name}: mean absolute difference {100 * mean_abs:.2f} %, mean difference {100 * mean:+.2f} %")
+                if a.keep:
+                    np.savez(folder / f"{'shaded' if shade else 'unshaded'}.npz", **pictures)
+            seconds = min(c.ours(1)[1] for _ in range(3))
             _, theirs = c.vtk(c.step)
             _, fixed = c.vtk(c.step, "fixed")
-            print(f"  seconds of a picture: dvr {seconds:.2f}, VTK ray cast by OpenGL {theirs:.2f}, by fixed point {fixed:.2f}")
-            if a.keep:
-                np.savez(folder / f"{'shaded' if shade else 'unshaded'}.npz", **pictures)
+            print(f"  seconds of a picture with the same step: dvr {seconds:.2f}, VTK by OpenGL {theirs:.2f}, by fixed point {fixed:.2f}")
+            small = Comparison(values, spacing, [640, 360], voxel / 2, shade, folder, a.program)
+            for name, extra in (("half a voxel", ""), ("by_opacity", text("steps", "by_opacity"))):
+                frame, cpu = min(small.ours(1, extra)[1] for _ in range(5)), small.cpu_seconds(extra)
+                print(f"  640 x 360, steps {name}: {1 / frame:.1f} frames a second, {cpu:.2f} CPU seconds each")
+            equal_error(lambda step: Comparison(values, spacing, a.size, step, shade, folder, a.program), voxel, shade)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ NAMES = sorted(path.stem for path in NOTEBOOKS.glob("*.ipynb"))
 
 
 def test_there_are_notebooks():
-    assert NAMES == ["corona", "is_my_bsdf_right", "knife_edge_to_city", "microscope", "mitsuba_scene", "paint"]
+    assert NAMES == ["corona", "is_my_bsdf_right", "knife_edge_to_city", "microscope", "mitsuba_scene", "one_volume", "paint"]
 
 
 @pytest.mark.parametrize("name", NAMES)

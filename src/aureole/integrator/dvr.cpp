@@ -53,14 +53,16 @@ public:
       throw Error(scene.sensor().sensor->properties().where(),
                   "\"dvr\" finds the media around the sensor itself: state none on the sensor");
     note_unseen_isosurfaces(media);
-    const bool is_projection =
-        settings_.method == DvrSettings::Method::mip || settings_.method == DvrSettings::Method::average;
-    if (is_projection && media.size() > 1)
+    using enum DvrSettings::Method;
+    const DvrSettings::Method method = settings_.method;
+    const bool is_by_opacity = settings_.steps == DvrSettings::Steps::by_opacity;
+    const bool is_of_one = method == mip || method == average || method == splatting || is_by_opacity;
+    if (is_of_one && media.size() > 1)
       throw properties().error(
-          "method", fmt::format("takes the numbers of one volume, but the scene has {}", media.size()));
-    const bool needs_emission = !settings_.gradient_lighting &&
-                                settings_.method != DvrSettings::Method::single_scattering &&
-                                settings_.method != DvrSettings::Method::xray;
+          is_by_opacity ? "steps" : "method",
+          fmt::format("takes the numbers of one volume, but the scene has {}", media.size()));
+    for (const ClassifiedMedium* medium : media) require_classification(medium->classification());
+    const bool needs_emission = !settings_.gradient_lighting && method != single_scattering && method != xray;
     for (const ClassifiedMedium* medium : media)
       if (needs_emission && !medium->color_emits())
         throw medium->properties().error(
@@ -70,14 +72,15 @@ public:
   }
   std::vector<std::string> aov_names() const override {
     if (!measures_) return {};
-    return {"optical_thickness", "value", "depth"};
+    return {"optical_thickness", "value", "depth", "lookups"};
   }
   std::vector<std::string> aov_meanings() const override {
     if (!measures_) return {};
     return {
         "optical thickness along the ray",
         "number of the volume: the largest, the mean, that of the first isosurface, or where half of the light is lost",
-        "distance of that number along the ray, scene units"};
+        "distance of that number along the ray, scene units",
+        "how often the numbers of the volume were looked up along the ray"};
   }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
@@ -86,8 +89,14 @@ public:
     DvrSettings settings = settings_;
     if (!(settings.step > 0)) {
       settings.step = kInfinity;
+      const float voxels = settings.method == DvrSettings::Method::splatting ? 1 : 0.5f;
       for (const ClassifiedMedium* m : media)
-        settings.step = std::min(settings.step, 0.5f * m->field().spacing());
+        settings.step = std::min(settings.step, voxels * m->field().spacing());
+    }
+    if (settings.method == DvrSettings::Method::splatting) {
+      const FilmPart& film = scene.sensor().part;
+      settings.view =
+          scene.sensor().sample_ray({film.left + 0.5f * film.width, 0.5f * film.height}, {0.5f, 0.5f}).ray.d;
     }
     if (measures_) settings.termination = 0;  // the optical thickness is that of the whole ray
     VolumeResult results[kBatch];
@@ -107,7 +116,16 @@ public:
       path.ray.o = path.ray.o + path.ray.d * shift;
       path.ray.t_max -= shift;
     }
-    behind().trace(scene, paths, splats, log);
+    // Paths behind which no light passes are not followed, unless they leave light elsewhere or are replayed.
+    bool follows_all = behind().leaves() != Leaves::pixel;
+    for (std::size_t i = 0; i < paths.size(); ++i) follows_all |= log.follows(int(i));
+    for (std::size_t i = 0; i < paths.size();) {
+      std::size_t end = i;
+      while (end < paths.size() && (follows_all || results[end].transmittance > 0)) ++end;
+      if (end > i) behind().trace(scene, paths.subspan(i, end - i), splats, log);
+      for (i = end; i < paths.size() && !(follows_all || results[i].transmittance > 0); ++i)
+        paths[i].result = {};
+    }
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       const VolumeResult& r = results[i];
@@ -115,16 +133,43 @@ public:
       path.result.estimate =
           path.result.estimate * r.transmittance + single_estimate(r.radiance, path.wavelengths);
       path.result.alpha = 1 - r.transmittance * (1 - path.result.alpha);
-      if (measures_) path.aovs[0] = r.optical_thickness, path.aovs[1] = r.value, path.aovs[2] = r.depth;
+      if (measures_)
+        path.aovs[0] = r.optical_thickness, path.aovs[1] = r.value, path.aovs[2] = r.depth,
+        path.aovs[3] = r.lookups;
     }
   }
 
 private:
+  /// Throws a located Error where the method cannot use a transfer function of two numbers or a mask.
+  void require_classification(const Classification& classification) const {
+    using enum DvrSettings::Method;
+    const DvrSettings::Method method = settings_.method;
+    if (const char* name = classification.plane_parameter()) {
+      if (method == mip || method == average || method == isosurface)
+        throw properties().error(
+            "method",
+            fmt::format(
+                "is for transfer functions of the number alone: it has no gradient that \"{}\" of the "
+                "volume could be a function of",
+                name));
+      if (properties().has("classification") && settings_.preintegrated)
+        throw properties().error(
+            "classification",
+            fmt::format(
+                "\"preintegrated\" is for transfer functions of the number alone, but the volume has \"{}\", a "
+                "function of number and gradient: give \"post\"",
+                name));
+    }
+    if (classification.has_mask() && method == average)
+      throw properties().error("method",
+                               "is for volumes without a mask: the mean number of a ray has no place "
+                               "and thus no class");
+  }
   void note_unseen_isosurfaces(const std::vector<const ClassifiedMedium*>& media) const {
     for (const ClassifiedMedium* medium : media)
       for (const float value : settings_.isovalues) {
         const float low = medium->field().minimum(), high = medium->field().maximum();
-        const float opacity = medium->layer_opacity(value);
+        const float opacity = medium->layer_opacity(medium->classification().max_extinction(value, value));
         if (value >= low && value <= high && opacity > 0) continue;
         properties().note(
             "isovalues",
@@ -146,7 +191,7 @@ std::vector<ParameterDoc> rows() {
   all.push_back(
       {"measures", "boolean", "", "false",
        "further channels optical_thickness, value (the largest number for mip, the mean for average, else that where "
-       "half of the light is lost) and depth (where)"});
+       "half of the light is lost), depth (where) and lookups (of the numbers along the ray)"});
   return all;
 }
 
@@ -157,7 +202,9 @@ AUREOLE_PLUGIN(
         "scientific visualisation, each by its name. Surfaces are seen through them, by a nested integrator. What a "
         "scene's other integrators make of the same media is the physical picture (docs/volumes.md).",
         "Max 1995, \"Optical models for direct volume rendering\"; Levoy 1988, \"Display of surfaces from volume data\"; "
-        "Engel, Kraus & Ertl 2001, \"High-quality pre-integrated volume rendering using hardware-accelerated pixel shading\"",
+        "Engel, Kraus & Ertl 2001, \"High-quality pre-integrated volume rendering using hardware-accelerated pixel shading\"; "
+        "Westover 1990, \"Footprint evaluation for volume rendering\"; Mueller & Crawfis 1998, \"Eliminating popping artifacts "
+        "in sheet buffer-based splatting\"",
         rows(),
         {R"(<integrator type="dvr"><float name="step" value="0.01"/><string name="classification" value="preintegrated"/>
     <string name="lighting" value="gradient"/><string name="highlight" value="reflection"/><boolean name="shadows" value="true"/>
@@ -168,6 +215,10 @@ AUREOLE_PLUGIN(
     <boolean name="jitter" value="true"/><boolean name="skip_empty" value="false"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="isosurface"/><string name="isovalues" value="0.2, 0.6"/>
     <boolean name="measures" value="true"/></integrator>)",
+         R"(<integrator type="dvr"><string name="steps" value="adaptive"/><float name="tolerance" value="0.005"/></integrator>)",
+         R"(<integrator type="dvr"><string name="steps" value="by_opacity"/><float name="step_opacity" value="0.01"/></integrator>)",
+         R"(<integrator type="dvr"><string name="method" value="splatting"/><string name="sheets" value="image"/>
+    <float name="kernel_width" value="0.7"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="emission_absorption"/><float name="tolerance" value="0.01"/></integrator>)"}});
 
 }  // namespace

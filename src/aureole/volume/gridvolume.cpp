@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "aureole/core/memory.h"
@@ -102,6 +103,7 @@ Transform box_of(const Properties& p, const ScalarGrid& grid) {
 class GridVolume final : public VoxelVolume {
 public:
   explicit GridVolume(const Properties& p) : GridVolume(p, read_grid(p)) {}
+  std::shared_ptr<const ScalarGrid> stored_grid() const override { return stored_.load(); }
 
 private:
   GridVolume(const Properties& p, const ScalarGrid& grid)
@@ -115,19 +117,25 @@ private:
       throw p.error(parameter, fmt::format("has {} numbers at each voxel; 1, 3 (colours) and 6 are supported",
                                            channels));
     const bool colors = channels == 3 && !raw;
-    // A mapped file of bytes may be larger, as floats, than the memory.
-    const double bytes = double(grid.size[0]) * grid.size[1] * grid.size[2] *
-                         (colors ? sizeof(UpsampledColor) : sizeof(float) * std::size_t(channels));
-    if (const double free = available_memory_bytes(); bytes > free)
-      throw p.error(parameter,
-                    fmt::format("needs {:.0f} MiB of memory as float32, of which {:.0f} are available",
-                                bytes / (1 << 20), free / (1 << 20)));
+    const auto require_memory = [parameter](const Properties& of, double bytes) {
+      // A mapped file of bytes may be larger, as floats, than the memory.
+      if (const double free = available_memory_bytes(); bytes > free)
+        throw of.error(parameter,
+                       fmt::format("needs {:.0f} MiB of memory as float32, of which {:.0f} are available",
+                                   bytes / (1 << 20), free / (1 << 20)));
+    };
+    const double count = double(grid.size[0]) * grid.size[1] * grid.size[2];
+    if (channels != 1)
+      require_memory(p, count * (colors ? sizeof(UpsampledColor) : sizeof(float) * std::size_t(channels)));
     // Raw numbers are what the file says; .vol files keep the treatment that scenes of media rely on.
     const bool is_exact = raw && grid.has_transform && grid.format != ".vol";
     const bool is_denoised = colors || (channels == 1 && !is_exact);
     const std::array<float, 2> range = grid.range();
     NoiseClamp clamp(0, std::numeric_limits<double>::infinity(), std::max(range[1], 0.f));
-    if (is_denoised && range[0] < 0) {
+    // Whole numbers miss a limit by rounding only where they are very large.
+    const bool may_have_noise = grid.type >= ScalarType::float16 || grid.slope != 1 || grid.intercept != 0 ||
+                                double(range[1]) * kLimitNoise >= 1;
+    if (is_denoised && range[0] < 0 && may_have_noise) {
       for_each(grid, [&](float v) { clamp(v); });
       if (clamp.any()) p.note(parameter, clamp.note());
     }
@@ -135,6 +143,24 @@ private:
       const float v = grid.value(x, y, z, c);
       return is_denoised && v < 0 ? NoiseClamp(clamp)(v) : v;
     };
+    if (channels == 1 && !clamp.any()) {
+      stored_.store(std::make_shared<const ScalarGrid>(grid));
+      set_later(grid.size, range, [this, parameter, count, require_memory] {
+        const std::shared_ptr<const ScalarGrid> stored = stored_grid();
+        require_memory(properties(), count * sizeof(float));
+        try {
+          Numbers bricks(
+              stored->size, repeats(), [&](int x, int y, int z) { return stored->value(x, y, z); },
+              [](auto&&...) { return std::optional<float>(); });
+          stored_.store(nullptr);  // numbers in memory are held once
+          return bricks;
+        } catch (const Error& problem) {
+          throw properties().error(parameter, problem.message());
+        }
+      });
+      return;
+    }
+    if (channels == 1) require_memory(p, count * sizeof(float));
     if (colors && range[0] < 0) check_colors(p, grid, fetch, parameter);
     try {
       if (colors && !is_grey(grid, fetch))
@@ -197,6 +223,8 @@ private:
     };
     set(Colors(grid.size, repeats(), color, [](auto&&...) { return std::optional<UpsampledColor>(); }));
   }
+
+  std::atomic<std::shared_ptr<const ScalarGrid>> stored_;  ///< of one number at each voxel, as in the file
 };
 
 std::vector<ParameterDoc> rows() {

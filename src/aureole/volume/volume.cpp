@@ -55,6 +55,7 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
     return std::make_shared<ConstantVolume>(properties, std::move(value));
   }
   auto volume = std::dynamic_pointer_cast<const Volume>(*object);
+  volume->prepare();
   if (volume->channels() != 1)
     throw properties.error(name,
                            fmt::format("needs one number or a colour at each point, but the volume has {} "

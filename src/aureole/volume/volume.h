@@ -15,6 +15,8 @@
 
 namespace aureole {
 
+struct ScalarGrid;
+
 class Volume : public Object {
 public:
   static constexpr const char* kFamily = "a volume";
@@ -54,6 +56,12 @@ public:
     for (float& b : bounds) b = 1;
   }
   virtual Spectrum envelope(const Wavelengths& /*w*/) const { return 1.f; }
+
+  /// Returns the numbers as their file stores them, for a volume of one number at each voxel whose values are these and
+  /// whose voxels fill the box; else null.
+  virtual std::shared_ptr<const ScalarGrid> stored_grid() const { return nullptr; }
+  /// Makes the tables of `eval` and `bound` that are otherwise made at their first call. Throws a located Error.
+  virtual void prepare() const {}
 };
 using VolumePtr = std::shared_ptr<const Volume>;
 

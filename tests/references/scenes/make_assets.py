@@ -227,7 +227,7 @@ def write_serialized():
 # ---------------------------------------------------------------- images
 
 def write_png(path, pixels):
-    """8-bit grey (h, w) or RGB (h, w, 3)."""
+    """8-bit grey (h, w), RGB (h, w, 3) or RGBA (h, w, 4)."""
     h, w = pixels.shape[:2]
     raw = b"".join(b"\0" + row.astype(np.uint8).tobytes() for row in pixels)
 
@@ -235,7 +235,7 @@ def write_png(path, pixels):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
     path.write_bytes(b"\x89PNG\r\n\x1a\n"
-                     + chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, 8, 0 if pixels.ndim == 2 else 2, 0, 0, 0))
+                     + chunk(b"IHDR", struct.pack(">IIBBBBB", w, h, 8, 0 if pixels.ndim == 2 else 2 if pixels.shape[2] == 3 else 6, 0, 0, 0))
                      + chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
 
 
@@ -257,6 +257,11 @@ def write_images():
                         np.ones_like(x)], -1)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     write_png(TEXTURES / "normals.png", np.round(255 * (normals + 1) / 2))
+
+    # A transfer function of value (along x) and gradient (upward): opacity is alpha.
+    x, y = np.meshgrid(np.arange(16) / 15, 1 - np.arange(8) / 7)
+    transfer = np.stack([0.4 + 0.6 * x, 0.7 + 0 * x, 1 - 0.6 * x, np.clip(2 * x - 0.4, 0, 1) * (0.2 + 0.7 * y)], -1)
+    write_png(TEXTURES / "transfer.png", np.round(255 * transfer))
 
     # Latitude-longitude maps, 16 x 8. One pixel is far brighter than the others.
     x, y = np.meshgrid(np.arange(16), np.arange(8))
@@ -292,6 +297,8 @@ def write_volumes():
     radius2 = (x - 0.35 - 0.3 * y**2) ** 2 + (z - 0.5 - 0.1 * np.sin(4 * y)) ** 2
     plume = np.maximum(np.exp(-radius2 / (0.02 + 0.06 * y)) - 0.1, 0)[..., None]
     write_vol(VOLUMES / "smoke.vol", plume, (-1, 0, -1), (1, 2.5, 1))
+    # Labels on the grid of the plume: three layers across x.
+    write_vol(VOLUMES / "labels.vol", np.broadcast_to(np.arange(12) // 4, (10, 14, 12))[..., None], (-1, 0, -1), (1, 2.5, 1))
     tint = np.stack([0.9 + 0 * y, 0.85 - 0.4 * y, 0.3 + 0.5 * y], -1)
     write_vol(VOLUMES / "tint.vol", tint[:4, :, :5])
     # Extinction and albedo in colours that lie away from black and white, on grids of other sizes. The largest

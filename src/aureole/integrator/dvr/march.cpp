@@ -12,13 +12,6 @@ namespace {
 
 using Method = DvrSettings::Method;
 
-/// How many steps of `length` an interval has, of which the last may be shorter. Makes them longer if there were too many.
-int divide(float interval, float& length) {
-  constexpr int kMaxSteps = 1 << 20;
-  length = std::max(length, interval / float(kMaxSteps));
-  return std::max(1, int(std::ceil(interval / length - 1e-4f)));
-}
-
 /// The largest magnitude over all wavelengths.
 float magnitude(const Spectrum& s) {
   float largest = 0;
@@ -27,6 +20,12 @@ float magnitude(const Spectrum& s) {
 }
 
 }  // namespace
+
+int divide_into_steps(float interval, float& length) {
+  constexpr int kMaxSteps = 1 << 20;
+  length = std::max(length, interval / float(kMaxSteps));
+  return std::max(1, int(std::ceil(interval / length - 1e-4f)));
+}
 
 VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* const> media,
                          const DvrSettings& settings, const Path& path, float length, const Spectrum& d65,
@@ -37,7 +36,7 @@ VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* c
       basis_(path.wavelengths.nm),
       random_(key),
       lighting_(scene, media, settings, path, d65_, random_) {
-  length = std::min(length, ray_.t_max);
+  length_ = length = std::min(length, ray_.t_max);
   const auto clip = [&](float& begin, float& end, const ClassifiedMedium* medium) {
     begin = 0, end = length - shift_;
     medium->clip(ray_, begin, end);
@@ -72,9 +71,23 @@ VolumeResult VolumeMarch::follow() {
     case Method::mip:
     case Method::average:
       return project();
+    case Method::splatting:
+      return splat();
     default:
       break;
   }
+  const bool is_adaptive = settings_.steps == DvrSettings::Steps::adaptive;
+  is_one_ = parts_.size() == 1 && settings_.order == DvrSettings::Order::front_to_back &&
+            settings_.form == DvrSettings::Form::opacity_weighted &&
+            settings_.alpha == DvrSettings::Alpha::exponential;
+  if (!is_one_ || is_adaptive) find_active();
+  if (is_adaptive) return adapt();
+  if (settings_.method == Method::composite || settings_.method == Method::xray)
+    return composite(settings_.step);
+  return integrate();
+}
+
+void VolumeMarch::find_active() {
   for (Part& part : parts_) {
     if (!settings_.skip_empty) {
       part.active.push_back({part.begin, part.end});
@@ -91,9 +104,6 @@ VolumeResult VolumeMarch::follow() {
       return false;
     });
   }
-  if (settings_.method == Method::composite || settings_.method == Method::xray)
-    return composite(settings_.step);
-  return integrate();
 }
 
 Spectrum VolumeMarch::color_at(const ClassifiedMedium& medium, const Vec3& p, const Sample& s) {
@@ -113,12 +123,15 @@ void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
   Sample s;
   float value = 0;
   if (settings_.preintegrated) {
-    const float from = part.last_end == a ? part.last_value : medium.field().value(at(a));
+    const bool is_known = part.last_end == a;
+    step.lookups += is_known ? 1 : 2;
+    const float from = is_known ? part.last_value : medium.field().value(at(a));
     const float to = medium.field().value(at(b));
     part.last_end = b, part.last_value = to;
     s = medium.classify(p, from, to);
     value = 0.5f * (from + to);
   } else {
+    ++step.lookups;
     value = medium.field().value(p);
     s = medium.classify(p, value);
   }
@@ -130,12 +143,13 @@ void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
 }
 
 VolumeResult VolumeMarch::composite(float length) {
+  if (is_one_) return composite_one(length);
   VolumeResult result;
   const float offset = settings_.jitter ? random_.next() : 0.5f;
   const bool is_forward = settings_.order == DvrSettings::Order::front_to_back;
   const bool is_weighted = settings_.form == DvrSettings::Form::opacity_weighted;
   const bool is_taylor = settings_.alpha == DvrSettings::Alpha::taylor;
-  const int count = divide(end_ - begin_, length);
+  const int count = divide_into_steps(end_ - begin_, length);
   struct Layer {
     Spectrum color;
     float opacity;
@@ -160,14 +174,14 @@ VolumeResult VolumeMarch::composite(float length) {
     Step step;
     for (Part& part : parts_)
       if (part.next < part.active.size() && part.active[part.next][0] < b) add(part, a, b, offset, step);
+    result.lookups += float(step.lookups);
     if (!(step.thickness > 0)) continue;
     result.optical_thickness += step.thickness;
-    const float opacity = is_taylor ? std::min(step.thickness, 1.f) : -std::expm1(-step.thickness);
+    const float opacity = is_taylor ? std::min(step.thickness, 1.f) : opacity_of(step.thickness);
     const Spectrum color = is_weighted ? step.emission * (opacity / step.thickness) : step.emission;
     const float before = result.transmittance;
     result.transmittance *= 1 - opacity;
-    if (before > 0.5f && result.transmittance <= 0.5f)
-      result.value = step.value, result.depth = shift_ + 0.5f * (a + b);
+    note_half(result, before, step.value, 0.5f * (a + b));
     if (!is_forward) {
       layers.push_back({color, opacity});
       continue;
@@ -180,6 +194,10 @@ VolumeResult VolumeMarch::composite(float length) {
   }
   for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer)
     result.radiance = layer->color + result.radiance * (1 - layer->opacity);
+  return shown(result);
+}
+
+VolumeResult VolumeMarch::shown(VolumeResult result) const {
   if (settings_.method == Method::xray) {
     result.radiance = d65_ * result.transmittance;
     result.transmittance = 0;
@@ -194,7 +212,8 @@ VolumeResult VolumeMarch::integrate() {
   int agreements = 0;  // two in a row, since one may be chance
   for (int k = 0; k < kMaxHalvings && agreements < 2; ++k) {
     step *= 0.5f;
-    const VolumeResult fine = composite(step);
+    VolumeResult fine = composite(step);
+    fine.lookups += coarse.lookups;
     const bool agrees =
         magnitude(fine.radiance - coarse.radiance) <= settings_.tolerance * magnitude(fine.radiance) &&
         std::abs(fine.transmittance - coarse.transmittance) <= settings_.tolerance;
@@ -209,11 +228,12 @@ VolumeResult VolumeMarch::project() {
   const Part& part = parts_.front();
   const ScalarField& field = part.medium->field();
   float length = settings_.step;
-  const int count = divide(part.end - part.begin, length);
+  const int count = divide_into_steps(part.end - part.begin, length);
   const float offset = settings_.jitter ? random_.next() : 0.5f;
   const bool is_mip = settings_.method == Method::mip;
   result.value = is_mip ? -kInfinity : 0;
   double sum = 0;
+  result.lookups = float(count);
   for (int k = 0; k < count; ++k) {
     const float a = part.begin + float(k) * length, b = std::min(a + length, part.end);
     const float t = a + offset * (b - a), value = field.value(at(t));
@@ -238,7 +258,8 @@ VolumeResult VolumeMarch::isosurfaces() {
     find_isosurfaces(part.medium->field(), ray_, part.begin, part.end, settings_.isovalues,
                      [&](const CellRoot& root) {
                        roots.push_back({root.t, root.value, part.medium});
-                       passed *= 1 - part.medium->layer_opacity(root.value);
+                       const Sample s = part.medium->classification().surface(at(root.t), root.value);
+                       passed *= 1 - part.medium->layer_opacity(s.extinction);
                        return passed > settings_.termination;
                      });
   }
@@ -246,8 +267,8 @@ VolumeResult VolumeMarch::isosurfaces() {
                    [](const CellRoot& a, const CellRoot& b) { return a.t < b.t; });
   for (const CellRoot& root : roots) {
     const ClassifiedMedium& medium = *root.medium;
-    const Sample sample = medium.function().at(root.value);
-    cover(result, color_at(medium, at(root.t), sample), medium.layer_opacity(root.value));
+    const Sample sample = medium.classification().surface(at(root.t), root.value);
+    cover(result, color_at(medium, at(root.t), sample), medium.layer_opacity(sample.extinction));
     result.optical_thickness += sample.extinction * medium.unit();
     if (result.depth == 0) result.depth = shift_ + root.t, result.value = root.value;
     if (result.transmittance < settings_.termination) {

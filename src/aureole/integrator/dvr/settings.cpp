@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/dvr/settings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "aureole/plugin/number_list.h"
@@ -10,7 +12,8 @@ namespace aureole {
 namespace {
 
 const std::vector<std::string> kMethods = {
-    "composite", "emission_absorption", "single_scattering", "isosurface", "mip", "average", "xray"};
+    "composite", "emission_absorption", "single_scattering", "isosurface", "mip", "average", "xray",
+    "splatting"};
 
 }  // namespace
 
@@ -27,6 +30,11 @@ DvrSettings DvrSettings::read(const Properties& p) {
                 ? Order::back_to_front
                 : Order::front_to_back;
   s.preintegrated = p.get_choice("classification", "post", {"post", "preintegrated"}) == "preintegrated";
+  const std::string steps = p.get_choice("steps", "fixed", {"fixed", "adaptive", "by_opacity"});
+  s.steps = steps == "fixed" ? Steps::fixed : steps == "adaptive" ? Steps::adaptive : Steps::by_opacity;
+  s.step_opacity = float(p.get_float("step_opacity", 0.02, {1e-5, 1}));
+  s.sheets = p.get_choice("sheets", "axis", {"axis", "image"}) == "image" ? Sheets::image : Sheets::axis;
+  s.kernel_width = float(p.get_float("kernel_width", 0.6, {0.3, 3}));
   s.jitter = p.get_bool("jitter", false);
   s.skip_empty = p.get_bool("skip_empty", true);
   s.step = float(p.get_float("step", 0, Range::non_negative()));
@@ -57,12 +65,21 @@ DvrSettings DvrSettings::read(const Properties& p) {
   only_for({"classification"}, {composite, single_scattering, xray}, "composite, single_scattering and xray");
   only_for({"skip_empty"}, {composite, emission_absorption, single_scattering, xray},
            "those that composite steps");
-  only_for({"termination"}, {composite, emission_absorption, single_scattering, isosurface},
+  only_for({"termination"}, {composite, emission_absorption, single_scattering, isosurface, splatting},
            "those that composite");
-  only_for({"step"}, {composite, emission_absorption, single_scattering, mip, average, xray},
+  only_for({"step"}, {composite, emission_absorption, single_scattering, mip, average, xray, splatting},
            "those that take steps");
   only_for({"jitter"}, {composite, mip, average, xray}, "composite, mip, average and xray");
-  only_for({"tolerance"}, {emission_absorption}, "emission_absorption");
+  if (s.steps != Steps::adaptive)
+    only_for({"tolerance"}, {emission_absorption}, "emission_absorption and adaptive steps");
+  if (s.steps != Steps::fixed) only_for({"steps"}, {composite, xray}, "composite and xray");
+  if (p.has("step_opacity") && s.steps != Steps::by_opacity)
+    throw p.error("step_opacity", "has no effect without <string name=\"steps\" value=\"by_opacity\"/>");
+  only_for({"sheets", "kernel_width"}, {splatting}, "splatting");
+  if (p.has("step") && s.method == splatting && s.sheets == Sheets::axis)
+    throw p.error("step",
+                  "is the distance of sheets parallel to the image; those of <string name=\"sheets\" "
+                  "value=\"axis\"/> are the layers of voxels");
   only_for({"isovalues"}, {isosurface}, "isosurface");
   only_for({"form", "alpha", "order"}, {composite}, "composite");
   only_for({"shadows", "ambient_occlusion", "occlusion_radius"}, {composite},
@@ -72,6 +89,23 @@ DvrSettings DvrSettings::read(const Properties& p) {
       throw p.error(name, "has no effect without <string name=\"lighting\" value=\"gradient\"/>");
   if (p.has("occlusion_radius") && s.occlusion_samples == 0)
     throw p.error("occlusion_radius", "has no effect without \"ambient_occlusion\", the number of rays");
+  if (s.steps != Steps::fixed) {
+    const auto refuse = [&](const char* name, bool is_wrong, const char* message) {
+      if (is_wrong) throw p.error(name, fmt::format("steps \"{}\" {}", steps, message));
+    };
+    refuse("order", s.order == Order::back_to_front, "go from front to back");
+    refuse("form", s.form == Form::premultiplied, "need the form \"opacity_weighted\"");
+    refuse("alpha", s.alpha == Alpha::taylor, "need an exponential alpha");
+    refuse("skip_empty", !s.skip_empty, "need the blocks that are skipped");
+  }
+  if (s.steps == Steps::adaptive) {
+    if (s.jitter)
+      throw p.error("jitter", "has no effect on adaptive steps, whose samples are their ends and middles");
+    if (p.has("classification") && !s.preintegrated)
+      throw p.error("classification",
+                    "adaptive steps take the mean of the function between two samples, \"preintegrated\"");
+    s.preintegrated = true;
+  }
   if (s.method == single_scattering) s.jitter = true;
   if (s.method == xray) s.termination = 0;
   // The integral to a tolerance leaves out less than that, and finds narrow functions.
@@ -88,7 +122,8 @@ std::vector<ParameterDoc> DvrSettings::rows() {
        "composite: step by step; emission_absorption: the integral along the ray to a `tolerance`; single_scattering: step by "
        "step, with `jitter`, the light that the scene's lights bring to each point and the medium scatters once; isosurface; "
        "mip: the colour of the largest number along the ray; average: that of the mean number; xray: the part of a uniform "
-       "light behind the volume that passes"},
+       "light behind the volume that passes; splatting: the voxels' extinction and colour, spread by a Gaussian kernel and added "
+       "up on sheets (Westover 1990)"},
       {"form", "string", "", "opacity_weighted",
        "premultiplied: the colour of a step is the light that it emits, Max and others' C; opacity_weighted: that colour times the opacity of the step"},
       {"alpha", "string", "", "exponential",
@@ -97,7 +132,14 @@ std::vector<ParameterDoc> DvrSettings::rows() {
       {"classification", "string", "", "post",
        "post: the transfer function of the number in the middle of the step; preintegrated: its mean over all numbers between both ends"},
       {"step", "float", "length", "half a voxel",
-       "length of a step along the ray; the last one is shorter. A ray has at most 1,048,576 steps, else they are longer"},
+       "length of a step along the ray; the last one is shorter. A ray has at most 1,048,576 steps, else they are longer. Adaptive "
+       "steps begin with it; splatting: distance of sheets parallel to the image (default: a voxel)"},
+      {"steps", "string", "", "fixed",
+       "fixed: all of the length `step`; by_opacity: from `step` to 8 times that length, so that none can absorb more than the part "
+       "`step_opacity` of the light from behind, by the bound of its block (one volume); adaptive: from a 64th to 8 times `step`, "
+       "so that the estimated error of a ray's light, in units of the light of white, and of its transmittance stays below `tolerance`"},
+      {"step_opacity", "float", "", "0.02",
+       "largest part of the light from behind that a step by_opacity can absorb"},
       {"jitter", "boolean", "", "false",
        "samples lie at a random place of their steps, the same one along a ray, instead of the middle"},
       {"skip_empty", "boolean", "", "true",
@@ -105,7 +147,12 @@ std::vector<ParameterDoc> DvrSettings::rows() {
       {"termination", "float", "", "0.001",
        "a ray ends where less than this part of the light from behind would arrive, which is then left out; 0: never"},
       {"tolerance", "float", "", "0.001",
-       "relative error at which emission_absorption stops halving its steps"},
+       "relative error at which emission_absorption stops halving its steps; estimated error of adaptive steps"},
+      {"sheets", "string", "", "axis",
+       "splatting: axis, the layers of voxels across the axis of the grid that is nearest to the sensor's direction, or image, "
+       "slabs parallel to the image, to which the kernels' parts within them are added (Mueller & Crawfis 1998)"},
+      {"kernel_width", "float", "voxels", "0.6",
+       "splatting: standard deviation of the Gaussian kernel, cut at 4 of them"},
       {"lighting", "string", "", "none",
        "gradient: the scene's lights shade the volume by the gradient of its numbers, with the coefficients of the medium; both "
        "sides of a surface are shaded alike"},

@@ -9,21 +9,39 @@
 namespace aureole {
 
 struct DvrSettings {
-  enum class Method { composite, emission_absorption, single_scattering, isosurface, mip, average, xray };
+  enum class Method {
+    composite,
+    emission_absorption,
+    single_scattering,
+    isosurface,
+    mip,
+    average,
+    xray,
+    splatting
+  };
   /// The colour of a step: `premultiplied`, the light emitted along it; `opacity_weighted`, that light times
   /// the opacity of the step.
   enum class Form { premultiplied, opacity_weighted };
   enum class Alpha { exponential, taylor };
   enum class Order { front_to_back, back_to_front };
+  /// The planes on which splatting adds footprints up: those of voxels, or planes parallel to the picture.
+  enum class Sheets { axis, image };
+  /// Lengths of steps: all equal; halved until the light agrees with that of both halves; by the bounds of blocks.
+  enum class Steps { fixed, adaptive, by_opacity };
 
   Method method;
   Form form;
   Alpha alpha;
   Order order;
+  Sheets sheets;
+  Steps steps;
   bool preintegrated, jitter, skip_empty;
-  float step;         ///< in the world; 0: half of the smallest distance of voxels
-  float termination;  ///< transmittance below which the rest of a ray is left out; 0: never
-  float tolerance;    ///< of the adaptive methods, relative to the light of the ray
+  float step;          ///< in the world; 0: half of the smallest distance of voxels
+  float termination;   ///< transmittance below which the rest of a ray is left out; 0: never
+  float tolerance;     ///< of emission_absorption, relative to the light of the ray, and of adaptive steps
+  float step_opacity;  ///< largest part of the light from behind that a step `by_opacity` can absorb
+  float kernel_width;  ///< standard deviation of splatting's kernel [voxels]
+  Vec3 view{0, 0, 1};  ///< unit direction in which the sensor looks, for splatting
   bool gradient_lighting, shadows, halfway;
   int occlusion_samples;   ///< rays of ambient occlusion; 0: none
   float occlusion_radius;  ///< their length in the world

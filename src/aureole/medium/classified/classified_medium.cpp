@@ -36,17 +36,6 @@ ScalarField read_field(const Properties& p) {
   return field;
 }
 
-/// Reads values and factors as a function whose extinction is the factor.
-std::optional<TransferFunction> read_gradient_factor(const Properties& p) {
-  if (!p.has("gradient_opacity")) return {};
-  const TransferFunction::Curve curve =
-      TransferFunction::read_curve(p, "gradient_opacity", 1, 1, "0 0, 50 1");
-  if (curve.values.front() < 0)
-    throw p.error("gradient_opacity",
-                  fmt::format("the gradient {:g} is negative, but a length is not", curve.values.front()));
-  return TransferFunction(curve, {{0}, {{0, 0, 0}}});
-}
-
 /// Reads lists of `count` numbers; `example` is shown in the error.
 std::vector<std::vector<double>> read_tuples(const Properties& p, const char* name, std::size_t count,
                                              const char* example) {
@@ -66,10 +55,8 @@ std::vector<std::vector<double>> read_tuples(const Properties& p, const char* na
 ClassifiedMedium::ClassifiedMedium(const Properties& p)
     : Medium(p),
       field_(read_field(p)),
-      function_(TransferFunction::read(p)),
-      gradient_factor_(read_gradient_factor(p)),
+      classification_(p, field_),
       unit_(float(p.get_float("opacity_unit_length", 1, Range::positive()))),
-      gives_extinction_(p.has("extinction")),
       color_emits_(p.get_choice("color_is", "emission", {"emission", "albedo"}) == "emission"),
       emission_scale_(float(p.get_float("emission_scale", 1, Range::non_negative()))),
       sampling_weight_(float(p.get_float("sampling_weight", 1, Range::non_negative()))),
@@ -100,13 +87,9 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
                   "oriented particles are not supported: the transfer function gives the extinction");
 
   const std::array<int, 3> cells = majorant_cells(field_.size());
-  const auto ranges = field_.ranges(cells);
-  std::vector<float> bounds(ranges.size());
-  for (std::size_t i = 0; i < ranges.size(); ++i)
-    bounds[i] = function_.max_extinction(ranges[i][0], ranges[i][1]);
-  grid_.emplace(field_.to_box(), cells, std::move(bounds));
-  const char* stated = gives_extinction_ ? "extinction" : "opacity";
-  require_computable_extinction(p, stated, double(function_.max_extinction()));
+  grid_.emplace(field_.to_box(), cells, classification_.bounds(cells));
+  const char* stated = classification_.parameter();
+  require_computable_extinction(p, stated, double(classification_.max_extinction(-kInfinity, kInfinity)));
   require_computable_extinction(p, stated, *grid_, 0, 1);
   if (!(grid_->maximum() > 0))
     p.note(stated,
@@ -141,15 +124,6 @@ void ClassifiedMedium::clip(const Ray& ray, float& begin, float& end) const {
   for (const Plane& plane : planes_) keep(dot(plane.n, ray.o) - plane.d, dot(plane.n, ray.d));
 }
 
-void ClassifiedMedium::weigh(const Vec3& p, TransferFunction::Sample& s) const {
-  const float factor = gradient_factor_->at(length(field_.gradient(p))).extinction;
-  if (factor >= 1) return;
-  if (gives_extinction_)
-    s.extinction *= factor;
-  else  // the factor of the opacity of a layer of unit thickness
-    s.extinction = std::min(s.extinction, -std::log1p(factor * std::expm1(-s.extinction * unit_)) / unit_);
-}
-
 void ClassifiedMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
   out = {};
   if (grid_->at(p) == 0 || !contains(p)) return;
@@ -165,11 +139,9 @@ void ClassifiedMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, Me
 std::vector<ParameterDoc> ClassifiedMedium::rows() {
   std::vector<ParameterDoc> all = {{"value", "volume", "", "required",
                                     "the numbers, on a grid; values outside of their box do not count"}};
-  const std::vector<ParameterDoc> functions = TransferFunction::rows();
+  const std::vector<ParameterDoc> functions = Classification::rows();
   all.insert(all.end(), functions.begin(), functions.end());
   const std::vector<ParameterDoc> rest = {
-      {"gradient_opacity", "string", "1/length", "none",
-       "a second axis of the transfer function: lengths of the gradient of the numbers and the factor of the opacity, or of the given extinction, at each"},
       {"color_is", "string", "", "emission",
        "\"emission\": the medium emits its colour (times D65, as an <rgb> emitter) wherever it absorbs, so that a thick layer has "
        "that colour; \"albedo\": the colour is the single-scattering albedo"},
@@ -225,6 +197,23 @@ AUREOLE_PLUGIN(
          R"(<medium type="classified">
     <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
     <string name="preset" value="generic"/>
+</medium>)",
+         R"(<medium type="classified">
+    <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
+    <string name="boxes" value="0.2 0.4 0 2 0.9 0.7 0.5 0.3"/>
+    <string name="triangles" value="0.5 0 4 0.2 0 1 1 0.9 0.6"/>
+</medium>)",
+         R"(<medium type="classified">
+    <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
+    <string name="table" value="transfer.png"/>
+    <string name="table_values" value="0, 1"/>
+    <string name="table_gradients" value="0, 5"/>
+</medium>)",
+         R"(<medium type="classified">
+    <volume type="gridvolume" name="value"><string name="filename" value="smoke.vol"/></volume>
+    <volume type="gridvolume" name="mask"><string name="filename" value="labels.vol"/></volume>
+    <string name="opacity" value="0: 0 0; 1: 0 0, 1 0.5; 2-4: 0 0.1"/>
+    <string name="colors" value="1: 0 1 0.8 0.6; 0 1 1 1"/>
 </medium>)"}});
 
 }  // namespace

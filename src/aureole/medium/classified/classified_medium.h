@@ -7,8 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "aureole/medium/classified/scalar_field.h"
-#include "aureole/medium/classified/transfer_function.h"
+#include "aureole/medium/classified/classification.h"
 #include "aureole/medium/medium.h"
 #include "aureole/plugin/registry.h"
 
@@ -30,29 +29,23 @@ public:
   float sampling_weight() const override { return sampling_weight_; }
 
   const ScalarField& field() const { return field_; }
-  const TransferFunction& function() const { return function_; }
+  const Classification& classification() const { return classification_; }
   /// Whether a point is neither clipped nor outside the box of the volume.
   bool contains(const Vec3& p) const;
   /// Shortens the interval [begin, end] of distances along a ray to its part within the box and all clip planes. The
   /// interval is empty, end <= begin, where there is none.
   void clip(const Ray& ray, float& begin, float& end) const;
   /// Extinction and colour at a point inside, where the volume has the number `value`.
-  TransferFunction::Sample classify(const Vec3& p, float value) const {
-    TransferFunction::Sample s = function_.at(value);
-    weigh_by_gradient(p, s);
-    return s;
-  }
+  TransferFunction::Sample classify(const Vec3& p, float value) const { return classification_.at(p, value); }
   /// Extinction and colour of a short segment with the middle `p` and these numbers at its ends.
   TransferFunction::Sample classify(const Vec3& p, float from, float to) const {
-    TransferFunction::Sample s = function_.mean(from, to);
-    weigh_by_gradient(p, s);
-    return s;
+    return classification_.mean(p, from, to);
   }
 
   /// Whether the colour is that of emitted light; else it is the single-scattering albedo.
   bool color_emits() const { return color_emits_; }
-  /// Opacity of a layer of the thickness `unit()` where the volume has the number `value`, without its gradient.
-  float layer_opacity(float value) const { return -std::expm1(-function_.at(value).extinction * unit_); }
+  /// Opacity of a layer of the thickness `unit()` and this extinction.
+  float layer_opacity(float extinction) const { return -std::expm1(-extinction * unit_); }
   /// Length of the layer whose opacity the transfer function gives.
   float unit() const { return unit_; }
   float emission_scale() const { return emission_scale_; }
@@ -67,16 +60,9 @@ private:
     Vec3 n;
     float d;  ///< points p with dot(n, p) >= d are kept
   };
-  void weigh_by_gradient(const Vec3& p, TransferFunction::Sample& s) const {
-    if (gradient_factor_ && s.extinction > 0) weigh(p, s);
-  }
-  void weigh(const Vec3& p, TransferFunction::Sample& s) const;
-
   ScalarField field_;
-  TransferFunction function_;
-  std::optional<TransferFunction> gradient_factor_;  ///< its extinction is a factor of opacity or extinction
-  float unit_ = 1;                                   ///< length of the layer whose opacity is given
-  bool gives_extinction_;                            ///< whether the function was given as extinction
+  Classification classification_;
+  float unit_ = 1;  ///< length of the layer whose opacity is given
   std::vector<Plane> planes_;
   bool color_emits_;
   float emission_scale_ = 1, sampling_weight_ = 1;

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ScalarField`: the numbers of a volume on a regular grid of its own, for programs of many lookups along a ray.
+// `ScalarField`: the numbers of a volume on a regular grid, for programs of many lookups along a ray. They stay in the type
+// of their file, and in the mapped file itself where that is neither compressed nor of the other order of bytes.
 #pragma once
 
 #include <array>
+#include <cstring>
+#include <memory>
+#include <type_traits>
 #include <vector>
 
+#include "aureole/core/unfilled.h"
 #include "aureole/math/transform.h"
+#include "aureole/parameter/grid/scalar_grid.h"
 #include "aureole/volume/volume.h"
 
 namespace aureole {
@@ -14,8 +20,10 @@ namespace aureole {
 /// along each axis between centres, and constant between the outermost centres and the faces of the box.
 class ScalarField {
 public:
-  /// Evaluates a volume with a box at the centres of its voxels.
+  /// Takes the numbers that the volume has stored; those of another volume with a box are evaluated at the centres of
+  /// its voxels and stored as float32.
   explicit ScalarField(const Volume& volume);
+  ScalarField(ScalarField&&) = default;
 
   const Transform& to_box() const { return to_box_; }
   const std::array<int, 3>& size() const { return size_; }
@@ -25,6 +33,9 @@ public:
   std::size_t broken() const { return broken_; }
   float minimum() const { return minimum_; }
   float maximum() const { return maximum_; }
+  ScalarType type() const { return type_; }
+  /// Memory for numbers that are not in a mapped file or shared with the volume.
+  std::size_t own_bytes() const { return own_.size(); }
 
   /// Coordinates of a point in the world, in units of voxels: the centre of the first voxel is at 0.
   Vec3 index_of(const Vec3& p) const {
@@ -38,19 +49,56 @@ public:
             rows_[1][0] * d.x + rows_[1][1] * d.y + rows_[1][2] * d.z,
             rows_[2][0] * d.x + rows_[2][1] * d.y + rows_[2][2] * d.z};
   }
+  /// The point in the world that has these coordinates.
+  Vec3 point_of_index(const Vec3& i) const { return from_index_.point(i); }
 
   float value_at_index(const Vec3& i) const {
-    std::size_t at;
+    std::ptrdiff_t at;
     float t[3];
     locate(i, at, t);
-    const float* v = values_.data() + at;
-    const auto mix = [](float a, float b, float s) { return a + s * (b - a); };
-    const float* w = v + stride_[2];
-    const float below = mix(mix(v[0], v[1], t[0]), mix(v[stride_[1]], v[stride_[1] + 1], t[0]), t[1]);
-    const float above = mix(mix(w[0], w[1], t[0]), mix(w[stride_[1]], w[stride_[1] + 1], t[0]), t[1]);
-    return mix(below, above, t[2]);
+    switch (type_) {
+      case ScalarType::float32:
+        return interpolated<float>(at, t);
+      case ScalarType::uint8:
+        return scaled(interpolated<std::uint8_t>(at, t));
+      case ScalarType::int16:
+        return scaled(interpolated<std::int16_t>(at, t));
+      case ScalarType::uint16:
+        return scaled(interpolated<std::uint16_t>(at, t));
+      default:
+        return scaled(interpolated<std::int8_t>(at, t));
+    }
   }
   float value(const Vec3& p) const { return value_at_index(index_of(p)); }
+  /// The numbers along a ray, stored as T.
+  template <class T>
+  class Line {
+  public:
+    Line(const ScalarField& field, const Ray& ray)
+        : field_(field), o_(field.index_of(ray.o)), d_(field.index_vector(ray.d)) {}
+    /// The number at a distance from the ray's origin.
+    float operator()(float distance) const {
+      std::ptrdiff_t at;
+      float t[3];
+      field_.locate(o_ + d_ * distance, at, t);
+      const float stored = field_.interpolated<T>(at, t);
+      if constexpr (std::is_same_v<T, float>)
+        return stored;
+      else
+        return field_.scaled(stored);
+    }
+
+  private:
+    const ScalarField& field_;
+    Vec3 o_, d_;  ///< in units of voxels
+  };
+  /// Returns f(line) with the `Line` of a ray, for loops that are compiled for each type.
+  template <class F>
+  auto along(const Ray& ray, const F& f) const {
+    return with_type([&](auto example) { return f(Line<decltype(example)>(*this, ray)); });
+  }
+  /// The number of a voxel inside the grid.
+  float voxel(int x, int y, int z) const;
   /// Gradient in the world [1/length] by central differences over two voxels, or over one at the border.
   Vec3 gradient(const Vec3& p) const;
 
@@ -58,7 +106,7 @@ public:
   std::vector<std::array<float, 2>> ranges(const std::array<int, 3>& cells) const;
 
 private:
-  void locate(const Vec3& i, std::size_t& at, float t[3]) const {
+  void locate(const Vec3& i, std::ptrdiff_t& at, float t[3]) const {
     at = 0;
     for (int k = 0; k < 3; ++k) {
       // A NaN becomes 0.
@@ -66,19 +114,64 @@ private:
       const float c = i[k] > 0 ? (i[k] < last + 1 ? i[k] : last + 1) : 0.f;
       const int cell = c < last ? int(c) : padded_[std::size_t(k)] - 2;
       t[k] = c - float(cell);
-      at += std::size_t(cell) * stride_[k];
+      at += cell * stride_[k];
     }
   }
+  /// The stored number at an offset, in numbers; it need not be aligned.
+  template <class T>
+  float loaded(std::ptrdiff_t at) const {
+    T number;
+    std::memcpy(&number, numbers_ + at * std::ptrdiff_t(sizeof(T)), sizeof(T));
+    return float(number);
+  }
+  template <class T>
+  float interpolated(std::ptrdiff_t at, const float t[3]) const {
+    const auto mix = [](float a, float b, float s) { return a + s * (b - a); };
+    const auto square = [&](std::ptrdiff_t v) {
+      const std::ptrdiff_t w = v + stride_[1];
+      return mix(mix(loaded<T>(v), loaded<T>(v + stride_[0]), t[0]),
+                 mix(loaded<T>(w), loaded<T>(w + stride_[0]), t[0]), t[1]);
+    };
+    return mix(square(at), square(at + stride_[2]), t[2]);
+  }
+  float scaled(float stored) const {
+    return is_scaled_ ? float(slope_ * double(stored) + intercept_) : stored;
+  }
+  /// Calls f with a number of the type in which the numbers are stored.
+  template <class F>
+  auto with_type(const F& f) const {
+    switch (type_) {
+      case ScalarType::float32:
+        return f(float());
+      case ScalarType::uint8:
+        return f(std::uint8_t());
+      case ScalarType::int16:
+        return f(std::int16_t());
+      case ScalarType::uint16:
+        return f(std::uint16_t());
+      default:
+        return f(std::int8_t());
+    }
+  }
+  void evaluate(const Volume& volume);
+  void take(const std::shared_ptr<const ScalarGrid>& grid);
+  template <class T>
+  void find_ranges(const std::array<int, 3>& cells, std::vector<std::array<float, 2>>& ranges) const;
   Vec3 to_world_gradient(const Vec3& g) const;
 
-  Transform to_box_;
+  Transform to_box_, from_index_;
   std::array<int, 3> size_;
-  std::array<int, 3> padded_;  ///< as `size_`, but at least two: a single layer is stored twice
-  std::size_t stride_[3];
+  std::array<int, 3> padded_;  ///< as `size_`, but at least two: a single layer is read twice
+  std::ptrdiff_t stride_[3];   ///< in numbers; 0 along an axis of one layer
   float rows_[3][4];
   float spacing_ = 0, minimum_ = 0, maximum_ = 0;
   std::size_t broken_ = 0;
-  std::vector<float> values_;
+  ScalarType type_ = ScalarType::float32;  ///< float32, or an integer of at most two bytes
+  const std::byte* numbers_ = nullptr;
+  bool is_scaled_ = false;
+  double slope_ = 1, intercept_ = 0;  ///< value = slope * stored number + intercept
+  std::shared_ptr<const ScalarGrid> stored_;
+  UnfilledVector<std::byte> own_;
 };
 
 }  // namespace aureole

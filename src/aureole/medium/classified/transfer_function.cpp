@@ -19,8 +19,7 @@ namespace {
 
 using Curve = TransferFunction::Curve;
 
-/// Opacities above this one are this one: an opacity of 1 in a unit of length would be an infinite extinction.
-constexpr double kMaxOpacity = 0.9999;
+constexpr double kMaxOpacity = TransferFunction::kMaxOpacity;
 /// A curve that is not linear between two points is divided into so many linear pieces.
 constexpr int kPieces = 32;
 
@@ -166,6 +165,11 @@ TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) 
     if (jumps) add(value, true);
     add(value, false);
   }
+  for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
+    const float width = nodes_[i + 1].value - nodes_[i].value;
+    // An interval too narrow for its inverse counts as a jump.
+    if (const float inverse = 1 / width; width > 0 && inverse < kInfinity) nodes_[i].inverse_width = inverse;
+  }
   first_ = nodes_.front().value;
   const float last = nodes_.back().value;
   scale_ = last > first_ ? float(kBuckets) / (last - first_) : 0.f;
@@ -177,6 +181,9 @@ TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) 
     while (i + 2 < nodes_.size() && nodes_[i + 1].value <= begin) ++i;
     starts_[k] = std::uint32_t(i);
   }
+  std::vector<float> extinctions;
+  for (const Node& node : nodes_) extinctions.push_back(node.extinction);
+  extinctions_ = RangeMaximum(std::move(extinctions));
   integrals_.resize(nodes_.size());
   for (std::size_t k = 1; k < nodes_.size(); ++k) {
     integrals_[k] = integrals_[k - 1];
@@ -193,30 +200,34 @@ void TransferFunction::Integral::add(const Sample& from, const Sample& to, doubl
     color[k] += width / 6 * (a * (2 * double(c[k]) + double(d[k])) + b * (double(c[k]) + 2 * double(d[k])));
 }
 
-TransferFunction::Integral TransferFunction::integral_to(float value) const {
+TransferFunction::Integral TransferFunction::integral_to(std::size_t i, float value,
+                                                         const Sample& end) const {
   // Before the first node and behind the last one the function is constant.
-  const std::size_t i = value >= nodes_.back().value ? nodes_.size() - 1 : interval(value);
+  if (value >= nodes_.back().value) i = nodes_.size() - 1;
   Integral sum = integrals_[i];
-  sum.add(nodes_[i], at(value), double(value) - double(nodes_[i].value));
+  sum.add(nodes_[i], end, double(value) - double(nodes_[i].value));
   return sum;
 }
 
 TransferFunction::Sample TransferFunction::mean(float a, float b) const {
   const float low = std::min(a, b), high = std::max(a, b);
+  const std::size_t i = interval(low), j = interval(high);
+  const Sample first = at_in(i, low), last = at_in(j, high);
   // Differences of integrals lose digits where the values are close; there the function is nearly linear.
-  const bool is_linear =
-      low >= nodes_.front().value && high <= nodes_.back().value && interval(low) == interval(high);
+  const bool is_linear = i == j && low >= nodes_.front().value && high <= nodes_.back().value;
   if (is_linear || high - low <= 1e-5f * std::max(std::abs(high), std::abs(low))) {
-    const Sample from = at(low), to = at(high);
-    const float extinction = 0.5f * (from.extinction + to.extinction);
-    const float weight = extinction > 0 ? (from.extinction + 2 * to.extinction) / (6 * extinction) : 0.5f;
-    return {extinction, mixed(from.color, to.color, weight)};
+    const float extinction = 0.5f * (first.extinction + last.extinction);
+    const float weight = extinction > 0 ? (first.extinction + 2 * last.extinction) / (6 * extinction) : 0.5f;
+    return {extinction, mixed(first.color, last.color, weight)};
   }
-  const Integral from = integral_to(low), to = integral_to(high);
+  // An interval without extinction, of many along a ray, needs no integrals.
+  if (first.extinction == 0 && last.extinction == 0 && extinctions_.of(i, j + 1) == 0)
+    return {0, first.color};
+  const Integral from = integral_to(i, low, first), to = integral_to(j, high, last);
   const double extinction = to.extinction - from.extinction;
   Sample out;
+  if (!(extinction > 0)) return {0, first.color};
   out.extinction = float(extinction / (double(high) - double(low)));
-  if (!(extinction > 0)) return {0, at(0.5f * (low + high)).color};
   float* c = &out.color.white;
   for (std::size_t k = 0; k < 4; ++k) c[k] = float((to.color[k] - from.color[k]) / extinction);
   return out;
@@ -224,9 +235,20 @@ TransferFunction::Sample TransferFunction::mean(float a, float b) const {
 
 float TransferFunction::max_extinction(float low, float high) const {
   float most = std::max(at(low).extinction, at(high).extinction);
-  for (std::size_t i = 0; i < nodes_.size(); ++i)
-    if (nodes_[i].value >= low && nodes_[i].value <= high) most = std::max(most, nodes_[i].extinction);
+  const auto first = std::lower_bound(nodes_.begin(), nodes_.end(), low,
+                                      [](const Node&n, float value) { return n.value < value; }),
+             last = std::upper_bound(first, nodes_.end(), high,
+                                     [](float value, const Node&n) { return value < n.value; });
+  if (first < last)
+    most = std::max(most,
+                    extinctions_.of(std::size_t(first - nodes_.begin()), std::size_t(last - nodes_.begin())));
   return most;
+}
+
+void note_limited_opacity(const Properties& p, const char* name) {
+  p.note(name, fmt::format("opacities above {:g} in a unit of length count as {:g}, because an opacity of 1 "
+                           "needs an infinite extinction",
+                           kMaxOpacity, kMaxOpacity));
 }
 
 TransferFunction TransferFunction::read(const Properties& p) {
@@ -271,13 +293,12 @@ TransferFunction TransferFunction::read(const Properties& p) {
     throw p.error(
         "opacity",
         "is missing: give \"opacity\" as values and opacities (\"0 0, 100 0.3\"), \"extinction\", or a \"preset\"");
-  bool is_limited = false;
-  for (const auto& numbers : opacity->numbers) is_limited |= numbers[0] > kMaxOpacity;
-  if (is_limited && p.has("opacity"))
-    p.note("opacity",
-           fmt::format("opacities above {:g} in a unit of length count as {:g}, because an opacity of 1 "
-                       "needs an infinite extinction",
-                       kMaxOpacity, kMaxOpacity));
+  if (p.has("opacity"))
+    for (const auto& numbers : opacity->numbers)
+      if (numbers[0] > kMaxOpacity) {
+        note_limited_opacity(p, "opacity");
+        break;
+      }
   return {extinction_of(*opacity, unit), color};
 }
 

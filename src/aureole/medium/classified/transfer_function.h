@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/medium/classified/range_maximum.h"
 #include "aureole/spectrum/spectrum.h"
 
 namespace aureole {
@@ -22,6 +23,9 @@ struct ColorWeights {
 
   static ColorWeights of_linear_rgb(float r, float g, float b);
 };
+
+/// Notes that opacities of the parameter `name` exceed `TransferFunction::kMaxOpacity`.
+void note_limited_opacity(const Properties& properties, const char* name);
 
 /// The spectra that `ColorWeights` weigh, at the wavelengths of one path.
 class ColorBasis {
@@ -44,6 +48,7 @@ public:
   /// A point of the curve; two points of one value are a jump.
   struct Node : Sample {
     float value = 0;
+    float inverse_width = 0;  ///< of the interval to the next node; 0 for a jump
   };
 
   /// A curve of at least one number by value: pairs in ascending order of the first, of which two may be equal.
@@ -54,6 +59,9 @@ public:
   /// `extinction` [1/length] and `color` (linear sRGB) by value; they are extended by their first and last number.
   TransferFunction(const Curve& extinction, const Curve& color);
 
+  /// Opacities of a layer above this one count as this one: an opacity of 1 would be an infinite extinction.
+  static constexpr double kMaxOpacity = 0.9999;
+
   /// Reads the parameters of `rows`. Throws located Errors.
   static TransferFunction read(const Properties& properties);
   /// Reads a string of a value and `count` numbers at each point. Numbers below 0 or above `most` and values that do not
@@ -63,13 +71,7 @@ public:
   static std::vector<ParameterDoc> rows();
 
   /// The function at a value; at a jump that of larger values.
-  Sample at(float value) const {
-    const std::size_t i = interval(value);
-    const Node &a = nodes_[i], &b = nodes_[i + 1];
-    const float t =
-        b.value > a.value ? clamped((value - a.value) / (b.value - a.value)) : float(value >= a.value);
-    return {a.extinction + t * (b.extinction - a.extinction), mixed(a.color, b.color, t)};
-  }
+  Sample at(float value) const { return at_in(interval(value), value); }
   /// The mean extinction over the values between `a` and `b`, and the mean colour weighted by the extinction: what a
   /// short segment holds along which the value changes linearly from `a` to `b` (Engel, Kraus & Ertl 2001, "High-quality
   /// pre-integrated volume rendering using hardware-accelerated pixel shading", section 3, by integral functions).
@@ -89,7 +91,11 @@ private:
   std::size_t interval(float value) const {
     const float at = (value - first_) * scale_;
     std::size_t i = at > 0 ? starts_[at < float(kBuckets - 1) ? std::size_t(at) : kBuckets - 1] : 0;
-    while (i + 2 < nodes_.size() && nodes_[i + 1].value <= value) ++i;
+    // Two increments without branches, which processors predict badly; few buckets have more nodes.
+    const std::size_t last = nodes_.size() - 2;
+    i += std::size_t(i < last) & std::size_t(nodes_[i + 1].value <= value);
+    i += std::size_t(i < last) & std::size_t(nodes_[i + 1].value <= value);
+    while (i < last && nodes_[i + 1].value <= value) ++i;
     return i;
   }
   struct Integral {
@@ -99,11 +105,20 @@ private:
     /// Adds the integral over an interval along which extinction and colour are linear.
     void add(const Sample& from, const Sample& to, double width);
   };
-  Integral integral_to(float value) const;
+  /// The function at a value whose `interval` is i.
+  Sample at_in(std::size_t i, float value) const {
+    const Node &a = nodes_[i], &b = nodes_[i + 1];
+    const float t =
+        a.inverse_width > 0 ? clamped((value - a.value) * a.inverse_width) : float(value >= a.value);
+    return {a.extinction + t * (b.extinction - a.extinction), mixed(a.color, b.color, t)};
+  }
+  /// The integral from the first node to a value whose `interval` is i; `end` is the function there.
+  Integral integral_to(std::size_t i, float value, const Sample& end) const;
 
   static constexpr std::size_t kBuckets = 1024;
   std::vector<Node> nodes_;          ///< at least two
   std::vector<Integral> integrals_;  ///< from the first node to each node
+  RangeMaximum extinctions_;         ///< of the nodes
   std::vector<std::uint32_t> starts_;
   float first_ = 0, scale_ = 0, max_extinction_ = 0;
 };

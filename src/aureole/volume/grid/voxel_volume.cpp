@@ -90,6 +90,23 @@ void VoxelVolume::set(std::vector<Numbers> numbers) {
     grid.for_each([&](float v) { minimum_ = std::min(minimum_, v), maximum_ = std::max(maximum_, v); });
 }
 
+void VoxelVolume::set_later(const std::array<int, 3>& size, const std::array<float, 2>& range,
+                            std::function<Numbers()> make) {
+  set_size(size);
+  minimum_ = range[0], maximum_ = range[1];
+  make_ = std::move(make);
+  is_pending_ = true;
+}
+
+void VoxelVolume::make_numbers() const {
+  const std::lock_guard lock(making_);
+  if (!is_pending_.load(std::memory_order_relaxed)) return;
+  std::vector<Numbers> made;
+  made.push_back(make_());
+  numbers_ = std::move(made), make_ = nullptr;
+  is_pending_.store(false, std::memory_order_release);
+}
+
 void VoxelVolume::set(Colors colors) {
   colors_ = std::move(colors);
   set_size(colors_.size());
@@ -151,7 +168,7 @@ Spectrum VoxelVolume::eval(const Vec3& p, const Wavelengths& w) const {
 float VoxelVolume::eval_scalar(const Vec3& p) const {
   if (colors_.empty()) {
     const Place at = place(p);
-    const Numbers& grid = numbers_.front();
+    const Numbers& grid = numbers().front();
     const float* v = grid.corner(at.x, at.y, at.z);
     return filter_.nearest ? *v : interpolate(v, grid.stride_y(), grid.stride_z(), at.tx, at.ty, at.tz);
   }
@@ -167,7 +184,7 @@ void VoxelVolume::eval_channels(const Vec3& p, float* out) const {
     return;
   }
   const Place at = place(p);
-  for (const Numbers& grid : numbers_) {
+  for (const Numbers& grid : numbers()) {
     const float* v = grid.corner(at.x, at.y, at.z);
     *out++ = filter_.nearest ? *v : interpolate(v, grid.stride_y(), grid.stride_z(), at.tx, at.ty, at.tz);
   }
@@ -209,7 +226,7 @@ void VoxelVolume::bound_grid(const Grid& grid, const Value& value, const std::ar
 void VoxelVolume::bound(const std::array<int, 3>& cells, std::span<float> bounds) const {
   std::fill(bounds.begin(), bounds.end(), 0.f);
   if (colors_.empty()) {
-    for (const Numbers& grid : numbers_)
+    for (const Numbers& grid : numbers())
       bound_grid(
           grid, [](float v) { return v; }, cells, bounds);
   } else

@@ -2,6 +2,9 @@
 // `VoxelVolume`: a volume with values on a regular grid, from any file format.
 #pragma once
 
+#include <atomic>
+#include <functional>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -41,6 +44,8 @@ public:
   void bound(const std::array<int, 3>& cells, std::span<float> bounds) const final;
   Spectrum envelope(const Wavelengths& w) const final;
 
+  void prepare() const final { numbers(); }
+
   std::size_t memory_bytes() const;
 
 protected:
@@ -53,6 +58,10 @@ protected:
   /// Sets one grid per number of a voxel: one number is the value, several are numbers that are not colours.
   void set(std::vector<Numbers> numbers);
   void set(Colors colors);
+  /// Sets one grid that `make` returns at the first call that needs it, or never. Its values lie in `range`. A located
+  /// Error of `make` is thrown by that call.
+  void set_later(const std::array<int, 3>& size, const std::array<float, 2>& range,
+                 std::function<Numbers()> make);
   bool repeats() const { return filter_.wrap == VoxelWrap::repeat; }
 
 private:
@@ -72,9 +81,19 @@ private:
   std::array<int, 3> size_{};
   float rows_[3][4];  ///< world space to coordinates in units of voxels
   float slip_[3];     ///< rounding error of these coordinates inside the box
-  // Exactly one of the two is not empty.
-  std::vector<Numbers> numbers_;
+  /// The grids of numbers, which are made at the first call after `set_later`.
+  const std::vector<Numbers>& numbers() const {
+    if (is_pending_.load(std::memory_order_acquire)) make_numbers();
+    return numbers_;
+  }
+  void make_numbers() const;
+
+  // Exactly one of the two is not empty, but for numbers that are still to be made.
+  mutable std::vector<Numbers> numbers_;
   Colors colors_;
+  mutable std::atomic<bool> is_pending_ = false;
+  mutable std::mutex making_;
+  mutable std::function<Numbers()> make_;
   float minimum_ = 0, maximum_ = 0;
   std::vector<float> envelope_;  ///< of colours, in equal wavelength intervals
 };

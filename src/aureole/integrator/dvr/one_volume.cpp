@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The loop of `dvr` over the steps of one volume, from front to back. Without lights, colours are added up as weights, and
+// become spectra once for each ray.
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/integrator/dvr/march.h"
+
+namespace aureole {
+
+VolumeResult VolumeMarch::composite_one(float length) {
+  VolumeResult result;
+  const Part& part = parts_.front();
+  const ClassifiedMedium& medium = *part.medium;
+  const Classification& classification = medium.classification();
+  const TransferFunction* const function = classification.only_function();
+  const bool is_preintegrated = settings_.preintegrated,
+             is_xray = settings_.method == DvrSettings::Method::xray;
+  const bool is_lit =
+      settings_.gradient_lighting || settings_.method == DvrSettings::Method::single_scattering;
+  const float offset = settings_.jitter ? random_.next() : 0.5f;
+  const int count = divide_into_steps(end_ - begin_, length);
+  const float termination = settings_.termination;
+  /// The sums along the ray, of which a segment works on a copy in registers.
+  struct Sums {
+    ColorWeights light;
+    float transmittance = 1, thickness = 0;
+    int lookups = 0;
+    float last_end = -1, last_value = 0;  // end of the last preintegrated step, and the number there
+  } sums;
+  medium.field().along(ray_, [&](const auto& value_at) {
+    /// Composites the step from a to b. Returns whether the ray ends. `starts_at_last`: the last step ended at a.
+    const auto take_step = [&](Sums& s, float a, float b, bool starts_at_last) {
+      const float middle = a + offset * (b - a);
+      Sample sample;
+      float value;
+      if (is_preintegrated) {
+        const float first = starts_at_last ? s.last_value : value_at(a);
+        s.last_value = value_at(b), s.last_end = b;
+        s.lookups += starts_at_last ? 1 : 2;
+        value = 0.5f * (first + s.last_value);
+        sample = function ? function->mean(first, s.last_value)
+                          : classification.mean(at(middle), first, s.last_value);
+      } else {
+        value = value_at(middle);
+        ++s.lookups;
+        sample = function ? function->at(value) : classification.at(at(middle), value);
+      }
+      // A step without extinction adds nothing; leaving it out would be a branch that processors predict badly.
+      const float step = sample.extinction * (b - a), opacity = opacity_of(step),
+                  part_of_light = opacity * s.transmittance;
+      if (is_lit) {
+        if (!(step > 0)) return false;
+        result.radiance += color_at(medium, at(middle), sample) * part_of_light;
+      } else {
+        s.light.white += part_of_light * sample.color.white, s.light.red += part_of_light * sample.color.red;
+        s.light.green += part_of_light * sample.color.green,
+            s.light.blue += part_of_light * sample.color.blue;
+      }
+      const float before = s.transmittance;
+      s.transmittance *= 1 - opacity, s.thickness += step;
+      if (before > 0.5f && s.transmittance <= 0.5f) {
+        result.transmittance = s.transmittance;
+        note_half(result, before, value, 0.5f * (a + b));
+      }
+      if (!(s.transmittance < termination)) return false;
+      s.transmittance = 0;
+      return true;
+    };
+
+    if (settings_.steps == DvrSettings::Steps::by_opacity) {
+      // No step can absorb more than a given part of the light from behind, by the bound of its block.
+      constexpr float kLongest = 8;  // in units of `step`
+      float t = begin_;
+      medium.majorants().visit_segments(ray_, part.end, [&](const MajorantSegment& block) {
+        Sums s = sums;
+        const float to = std::min(block.end, part.end);
+        bool is_over = false;
+        for (t = std::max(t, std::max(block.begin, part.begin)); t < to && !is_over;) {
+          const float wanted = settings_.step_opacity / (s.transmittance * block.bound);
+          float end = t + std::clamp(wanted, length, kLongest * length);
+          // The last step of a block ends with it, or crosses its end by less than `step` where it would be shorter.
+          if (end > to - 0.5f * length) end = std::min(std::max(to, t + length), end_);
+          is_over = take_step(s, t, end, s.last_end == t);
+          t = end;
+        }
+        sums = s;
+        return is_over;
+      });
+      return;
+    }
+
+    int next = 0, last_step = -2;  // the next step, and the last one that was evaluated
+    // Evaluates the steps that touch a segment which may absorb. Returns whether the ray ends.
+    const auto follow_segment = [&](float from, float to) {
+      Sums s = sums;
+      const float begin = begin_, end = end_;
+      bool is_over = false;
+      int k = std::max(next, int((from - begin) / length));
+      for (; k < count && !is_over; ++k) {
+        const float a = begin + float(k) * length;
+        if (a >= to) break;
+        const float b = k + 1 == count ? end : std::min(a + length, end);
+        if (b <= from) continue;
+        is_over = take_step(s, a, b, last_step + 1 == k);
+        last_step = k;
+      }
+      next = k, sums = s;
+      return is_over;
+    };
+    if (!settings_.skip_empty) {
+      follow_segment(part.begin, part.end);
+      return;
+    }
+    medium.majorants().visit_segments(ray_, part.end, [&](const MajorantSegment& s) {
+      const float from = std::max(s.begin, part.begin), to = std::min(s.end, part.end);
+      return to > from && follow_segment(from, to);
+    });
+  });
+  result.transmittance = sums.transmittance, result.optical_thickness = sums.thickness;
+  result.lookups = float(sums.lookups);
+  if (!is_lit && !is_xray) result.radiance = basis_.eval(sums.light) * d65_ * medium.emission_scale();
+  return shown(result);
+}
+
+}  // namespace aureole
