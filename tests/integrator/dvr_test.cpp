@@ -498,7 +498,7 @@ TEST(Dvr, ColouredEmissionIsThatOfPath) {
 }
 
 std::string problem(const std::string& integrator, const std::string& content) {
-  return error_of([&] {
+  return error_thrown_by([&] {
     const auto scene = scene_of(integrator, content);
     scene.integrator->require_scene(*scene.scene);
   });

@@ -507,7 +507,7 @@ TEST(Splat, SortsByDepth) {
   }
 }
 
-std::string error_of(const std::string& integrator, const std::string& content) {
+std::string splat_error(const std::string& integrator, const std::string& content) {
   try {
     const auto scene = scene_of(integrator, content);
     scene.integrator->require_scene(*scene.scene);
@@ -525,27 +525,27 @@ TEST(Splat, ScenesThatItCannotShow) {
     EXPECT_NE(error.find(part), std::string::npos) << error;
     EXPECT_NE(error.find("splat.xml:"), std::string::npos) << error;
   };
-  expect(error_of("", view), "and the scene has none");
-  expect(error_of("", medium + R"(<sensor type="orthographic"><film type="hdrfilm"/></sensor>)"),
+  expect(splat_error("", view), "and the scene has none");
+  expect(splat_error("", medium + R"(<sensor type="orthographic"><film type="hdrfilm"/></sensor>)"),
          "use the sensor \"perspective\"");
   expect(
-      error_of(
+      splat_error(
           "",
           view + medium +
               R"(<shape type="sphere"><bsdf type="null"/><medium type="homogeneous" name="interior"/></shape>)"),
       "this one would not be seen");
-  expect(error_of(R"(<float name="depth_range" value="1"/>)", view + medium),
+  expect(splat_error(R"(<float name="depth_range" value="1"/>)", view + medium),
          "has no effect on this footprint");
-  expect(error_of(R"(<string name="footprint" value="ewa"/><float name="opacity_cap" value="1"/>)",
-                  view + medium),
+  expect(splat_error(R"(<string name="footprint" value="ewa"/><float name="opacity_cap" value="1"/>)",
+                     view + medium),
          "has no effect on this footprint");
   const auto points =
       folder.write("points.ply",
                    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                    "property float z\nend_header\n0 0 2\n");
-  expect(error_of(R"(<string name="footprint" value="disc"/>)", view + splat_medium(points)),
+  expect(splat_error(R"(<string name="footprint" value="disc"/>)", view + splat_medium(points)),
          "state their radius");
-  expect(error_of("", view + splat_medium(folder.write("bad.ply", "ply\n"))), "its header does not end");
+  expect(splat_error("", view + splat_medium(folder.write("bad.ply", "ply\n"))), "its header does not end");
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ inline std::string choice(const std::string& name, const std::string& value) {
 }
 
 template <class F>
-std::string error_of(F&& f) {
+std::string error_thrown_by(F&& f) {
   try {
     f();
   } catch (const Error& e) {

@@ -78,8 +78,8 @@ struct SplatProjector {
     const auto back = view.to_camera.inverse().matrix();
     eye = {back[0][3], back[1][3], back[2][3]};
     near = double(std::max(s.near, view.near));
-    const float stated = s.cutoff > 0 ? s.cutoff : cloud.hints.cutoff > 0 ? cloud.hints.cutoff : 10.f / 3;
-    cutoff = double(stated);
+    const float by_format = cloud.hints.cutoff > 0 ? cloud.hints.cutoff : 10.f / 3;
+    cutoff = double(s.cutoff > 0 ? s.cutoff : s.blends() ? by_format : 1.f);
     compensates = s.compensation == SplatSettings::Compensation::on ||
                   (s.compensation == SplatSettings::Compensation::file && cloud.hints.antialiased);
     // Tangents at the borders of the picture, with a margin of the picture's own half width (as in gsplat, for any centre).

@@ -102,7 +102,8 @@ std::vector<ParameterDoc> SplatSettings::rows() {
       {"dilation", "float", "pixels^2", "0.3 (3dgs), 1 (ewa)",
        "variance that is added to the projection of a splat"},
       {"cutoff", "float", "standard deviations", "0",
-       "where footprints end; 0: as the format says (3 for glTF), else 10/3, where an opaque splat has the opacity 1/255"},
+       "where footprints end; 0: of 3dgs as the format says (3 for glTF), else 10/3, where an opaque splat has the opacity 1/255; of "
+       "gaussian and ewa 1, the radius of the point"},
       {"opacity_cap", "float", "", "0.99", "largest opacity of a splat at a pixel; gsplat has 0.999"},
       {"opacity_limit", "float", "", "0.00392157 (1/255)",
        "a splat is left out at pixels where its opacity is smaller"},

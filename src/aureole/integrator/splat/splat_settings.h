@@ -25,8 +25,9 @@ struct SplatSettings {
   std::optional<SplatHints::Projection> projection;
   std::optional<SplatHints::Colors> colors;
   Compensation compensation;
-  float dilation;       ///< variance that the projection of a splat gains [pixels^2]
-  float cutoff;         ///< Mahalanobis distance at which a footprint ends; 0: that of the file, else 10/3
+  float dilation;  ///< variance that the projection of a splat gains [pixels^2]
+  float
+      cutoff;  ///< Mahalanobis distance at which a footprint ends; 0: that of the file, else 10/3, or 1 for points
   float opacity_cap;    ///< largest opacity of a splat at a pixel
   float opacity_limit;  ///< smaller opacities are left out
   float termination;    ///< transmittance at which a ray ends

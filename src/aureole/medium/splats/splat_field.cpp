@@ -24,6 +24,19 @@ SplatMatrix matrix_of(const std::array<float, 4>& q) {
            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
 }
 
+/// Whether a transform keeps right angles: rotations, reflections and equal scales.
+bool keeps_angles(const Transform& t) {
+  const auto& m = t.matrix();
+  double squares[3][3] = {};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) squares[i][j] += m[k][i] * m[k][j];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (std::abs(squares[i][j] - (i == j ? squares[0][0] : 0)) > 1e-6 * squares[0][0]) return false;
+  return true;
+}
+
 /// Opacities this close to 1 would need an infinite extinction.
 constexpr double kMaxSplatOpacity = 0.9999;
 /// A splat that is thinner than this part of its longest scale is thickened, else its extinction would be infinite.
@@ -37,6 +50,7 @@ SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const
   boxes_.reserve(cloud.size());
   const auto& m = to_world.matrix();
   const double cutoff = double(options.cutoff);
+  const bool is_rigid = keeps_angles(to_world);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double opacity = std::min(double(cloud.opacities[i]), kMaxSplatOpacity);
     if (!(opacity > 0)) continue;
@@ -100,15 +114,20 @@ SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const
     }
     bounds_.extend(box);
     splats_.push_back(splat), boxes_.push_back(box);
+    // The largest singular value of a matrix is at most the root of the sum of all squares.
+    longest_.push_back(float(
+        is_rigid ? std::max({lengths[0], lengths[1], lengths[2]})
+                 : std::sqrt(lengths[0] * lengths[0] + lengths[1] * lengths[1] + lengths[2] * lengths[2])));
   }
   if (splats_.empty()) throw Error("has no splat with an opacity and an extent");
   make_cells();
 }
 
 void SplatField::make_cells() {
-  // Some 4 cells a splat, as cubes; fewer where splats are so large that cells would list too many of them.
+  // Some 32 cells a splat, as cubes: splats of surfaces are thin, and bounds of large cells would be far above the extinction. Fewer
+  // where splats are so large that cells would list too many of them.
   const Vec3 size = max(bounds_.diagonal(), Vec3{1, 1, 1} * (1e-6f * max_component(bounds_.diagonal())));
-  double wanted = std::clamp(4. * double(splats_.size()), 4096., double(1 << 24));
+  double wanted = std::clamp(32. * double(splats_.size()), 4096., double(1 << 24));
   constexpr double kMaxEntries = double(1 << 27);
   const auto range = [&](const Bounds3& box, int axis, int& from, int& to) {
     const float scale = per_length_[axis];
@@ -153,9 +172,6 @@ void SplatField::make_cells() {
   std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < splats_.size(); ++i)
     for_cells(i, [&](std::size_t cell) { entries_[std::size_t(next[cell]++)] = std::uint32_t(i); });
-  std::vector<float> longest(splats_.size());
-  for (std::size_t i = 0; i < splats_.size(); ++i)
-    longest[i] = max_component(boxes_[i].diagonal()) / (2 * options_.cutoff);
   std::vector<Bounds3>().swap(boxes_);
 
   std::vector<float> bounds(first_.size() - 1);
@@ -175,7 +191,7 @@ void SplatField::make_cells() {
             Bounds3 center;
             center.extend(s.center);
             const double d = std::max(0., std::sqrt(double(squared_distance(box, center))) * 0.999 /
-                                                  double(longest[entries_[std::size_t(e)]]) -
+                                                  double(longest_[entries_[std::size_t(e)]]) -
                                               1e-3);
             sum += double(s.peak) * std::exp(-0.5 * d * d);
           }
@@ -188,6 +204,7 @@ void SplatField::make_cells() {
                        double(per_length_.z) / double(nz)) *
       Transform::translate(-double(bounds_.lower.x), -double(bounds_.lower.y), -double(bounds_.lower.z));
   grid_.emplace(to_box, cells_, std::move(bounds));
+  std::vector<float>().swap(longest_);
 }
 
 std::size_t SplatField::cell_of(const Vec3& p) const {

@@ -57,6 +57,7 @@ private:
   Options options_;
   std::vector<Splat> splats_;
   std::vector<Bounds3> boxes_;  ///< of the splats; empty once the cells are made
+  std::vector<float> longest_;  ///< axis of each splat [length]; empty once the cells are made
   std::size_t thickened_ = 0, without_extent_ = 0;
   Bounds3 bounds_;
   std::array<int, 3> cells_{1, 1, 1};

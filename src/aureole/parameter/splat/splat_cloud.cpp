@@ -149,6 +149,13 @@ const std::vector<std::string>& splat_axes() {
   return kAxes;
 }
 
+SplatCloud turned_axes(const SplatCloud& cloud, const std::string& axes) {
+  SplatCloud turned = cloud;
+  turned.axes = axes;
+  reverse_axes(turned);
+  return turned;
+}
+
 bool is_splat_file(const std::filesystem::path& file) {
   const SharedBytes bytes = map_file(file);
   const auto reader = splat_reader_of(file, bytes.bytes);

@@ -82,6 +82,9 @@ const std::vector<std::string>& splat_axes();
 /// `require_content`.
 SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOptions& options = {});
 
+/// Returns a cloud with its numbers in other axes, as a file of those axes has them (`SplatFileOptions::axes`).
+SplatCloud turned_axes(const SplatCloud& cloud, const std::string& axes);
+
 /// Whether a file begins as one of these formats; of PLY those with splats. Throws Error if it cannot be read.
 bool is_splat_file(const std::filesystem::path& file);
 
