@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(g++ cmake ninja-build pkg-config ccache python3
   libembree-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev libtiff-dev liblcms2-dev libstb-dev zlib1g-dev libbz2-dev liblzma-dev liblz4-dev
   libpugixml-dev nlohmann-json3-dev libcli11-dev libfmt-dev libboost-math1.81-dev
-  libpolyclipping-dev libkissfft-dev libeigen3-dev libcerf-dev libopenvdb-dev libnanovdb-dev libblosc-dev libopencv-core-dev libopencv-imgproc-dev)
+  libpolyclipping-dev libkissfft-dev libeigen3-dev libcerf-dev libopenvdb-dev libnanovdb-dev libblosc-dev libzstd-dev libopencv-core-dev libopencv-imgproc-dev)
 if [[ "${1:-}" != program ]]; then
   packages+=(clang-format python3-dev python3-venv libgtest-dev libbenchmark-dev)
 fi

@@ -16,4 +16,9 @@ void print_volume(const std::filesystem::path& file);
 /// Prints the picture that a state file belongs to, and how much of it is done. Throws Error if it cannot be read.
 void print_state(const std::filesystem::path& file);
 
+/// Whether a file holds splats or points, by its first bytes or its extension.
+bool is_splats(const std::filesystem::path& file);
+/// Prints what a file of splats holds and by which conventions. Throws Error.
+void print_splats(const std::filesystem::path& file);
+
 }  // namespace aureole

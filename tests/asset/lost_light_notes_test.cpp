@@ -18,7 +18,7 @@
 namespace aureole::testing {
 namespace {
 
-using aureole::test::error_of;
+using aureole::test::error_thrown_by;
 using aureole::test::pixels_of;
 
 std::string rough(double alpha, const std::string& more = "", const std::string& kind = "ggx") {
@@ -133,7 +133,7 @@ TEST(LostLight, TheSceneHasADefault) {
   EXPECT_NE(kept, pixels(bodies));
   EXPECT_EQ(pixels(keeps(false) + bodies), pixels(bodies));
   EXPECT_NE(load(keeps(true) + bodies).hash, load(bodies).hash);
-  const auto error = [](const std::string& content) { return error_of([&] { load(content); }); };
+  const auto error = [](const std::string& content) { return error_thrown_by([&] { load(content); }); };
   EXPECT_NE(error(keeps(true) + keeps(true)).find("given twice"), std::string::npos);
   const std::string no_boolean = error("<float name=\"energy_preserving\" value=\"1\"/>");
   EXPECT_NE(no_boolean.find("is true or false"), std::string::npos) << no_boolean;

@@ -100,7 +100,7 @@ inline std::string ball(const VolumeFolder& folder, const std::string& parameter
 inline const Ray kOblique{{-0.5f, -0.2f, -1}, {0.48f, 0.36f, 0.8f}};
 
 inline std::string problem(const std::string& integrator, const std::string& content) {
-  return error_of([&] {
+  return error_thrown_by([&] {
     const auto scene = scene_of(integrator, content);
     scene.integrator->require_scene(*scene.scene);
   });

@@ -16,7 +16,7 @@
 namespace aureole::testing {
 namespace {
 
-using aureole::test::error_of;
+using aureole::test::error_thrown_by;
 using aureole::test::grid_over_cube;
 using aureole::test::make_vol;
 using aureole::test::VolumeFolder;
@@ -254,11 +254,11 @@ TEST_F(InstancedMedia, OneThatOnlyInstancesHaveIsNotStated) {
     return "<emitter type=\"point\"><point name=\"position\" x=\"5\" y=\"0\" z=\"0\"/>" + content +
            "</emitter>";
   };
-  const std::string error = error_of([&] { Loaded(scene + lamp("<ref id=\"m\"/>")); });
+  const std::string error = error_thrown_by([&] { Loaded(scene + lamp("<ref id=\"m\"/>")); });
   EXPECT_NE(error.find("only instances place"), std::string::npos) << error;
   EXPECT_TRUE(error.starts_with("placed.xml:")) << error;
-  EXPECT_EQ(error_of([&] { Loaded(scene + lamp("")); }), "");
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(error_thrown_by([&] { Loaded(scene + lamp("")); }), "");
+  EXPECT_EQ(error_thrown_by([&] {
               Loaded(scene + lamp("<ref id=\"m\"/>") +
                      cube("<ref name=\"interior\" id=\"m\"/>", "<scale value=\"9\"/>"));
             }),
@@ -358,7 +358,7 @@ TEST_F(InstancedMedia, ModelsOfUniformMediaRefuseVaryingPhaseFunctions) {
         ball("", "<bssrdf type=\"dipole\">" + m + "</bssrdf>"),
         ball(kNull, "<medium type=\"kubelka_munk\" name=\"interior\">" + parameter("k", 1) +
                         parameter("s", 1) + phase + "</medium>")}) {
-    const std::string error = error_of([&] { Loaded scene(shape); });
+    const std::string error = error_thrown_by([&] { Loaded scene(shape); });
     EXPECT_TRUE(error.find("same everywhere") != std::string::npos ||
                 error.find("same medium everywhere") != std::string::npos)
         << error;

@@ -312,7 +312,7 @@ TEST(SuspensionMedium, HistogramsWithNextToNothingInAClass) {
 TEST(SuspensionMedium, HistogramsRefuseWrongInput) {
   test::TemporaryFolder folder;
   const auto fails = [&](const std::string& parameters, const std::string& text) {
-    const std::string e = error_of([&] {
+    const std::string e = error_thrown_by([&] {
       build<Medium>(medium_xml("suspension", number("host", 1.33) + "<ingredient type=\"spheres\">" +
                                                  parameters + number("int_ior", 1.5) +
                                                  number("volume_fraction", 1e-3) + "</ingredient>"),
@@ -373,7 +373,7 @@ TEST(SuspensionMedium, HistogramsRefuseWrongInput) {
 TEST(SuspensionMedium, RefusesWrongInput) {
   const auto expect_error = [](const std::string& parameters, const std::string& text,
                                const std::string& type = "suspension") {
-    const std::string e = error_of([&] { build<Medium>(medium_xml(type, parameters), context()); });
+    const std::string e = error_thrown_by([&] { build<Medium>(medium_xml(type, parameters), context()); });
     EXPECT_NE(e.find(text), std::string::npos) << "expected \"" << text << "\", got: " << e;
   };
   const auto spheres = [](const std::string& parameters) {

@@ -176,7 +176,8 @@ TEST(GridFiles, UnitsAndSpacesMayBeStatedInstead) {
   EXPECT_EQ(build_grid(file, box)->eval_scalar({2, .5f, .5f}), 4);
   EXPECT_FLOAT_EQ(build_grid(file, box + choice("file_unit", "1mm"))->eval_scalar({.002f, .5f, .5f}), 4);
   EXPECT_EQ(build_grid(file, choice("placement", "file"))->eval_scalar({2, .5f, .5f}), 4);
-  expect_part(error_of([&] { build_grid(file, box + choice("placement", "unit_cube")); }), "contradicts");
+  expect_part(error_thrown_by([&] { build_grid(file, box + choice("placement", "unit_cube")); }),
+              "contradicts");
   // The unit cube is filled whatever the file says: the first of 5 x 4 x 3 voxels is centred at 1/10, 1/8, 1/6.
   const VolumePtr cube = build_grid(heads() / "int16.nii", choice("placement", "unit_cube"));
   EXPECT_NEAR(cube->eval_scalar({.1f, .125f, 1.f / 6}), -100, 1e-3);
@@ -250,7 +251,7 @@ std::string grid_error(const std::string& content, const ScalarGridOptions& opti
                        const std::string& name = "bad.file") {
   VolumeFolder folder;
   const auto file = write_bytes(folder.path() / name, content);
-  const std::string message = error_of([&] { read_scalar_grid(file, options); });
+  const std::string message = error_thrown_by([&] { read_scalar_grid(file, options); });
   const std::string start = file.string() + ":";
   EXPECT_TRUE(message.empty() || message.starts_with(start)) << message;
   return message.empty() ? "" : message.substr(start.size());
@@ -421,7 +422,8 @@ TEST(GridFiles, BadArraysAndPictures) {
   VolumeFolder folder;
   for (const char* number : {"1", "2", "4"})
     fs::copy_file(heads() / "series8.tif", folder.path() / (std::string("s") + number + ".tif"));
-  expect_part(error_of([&] { read_scalar_grid(folder.path() / "s1.tif", o); }), "a gap or a number twice");
+  expect_part(error_thrown_by([&] { read_scalar_grid(folder.path() / "s1.tif", o); }),
+              "a gap or a number twice");
 }
 
 TEST(GridFiles, NumbersThatAreNotFiniteAreErrorsOfTheScene) {
@@ -429,10 +431,10 @@ TEST(GridFiles, NumbersThatAreNotFiniteAreErrorsOfTheScene) {
   const auto file = write_bytes(folder.path() / "nan.nrrd",
                                 "NRRD0001\ntype: float\ndimension: 3\nsizes: 2 2 1\nspacings: 1 1 1\n"
                                 "encoding: ascii\n\n1 2 nan 4\n");
-  const std::string message = error_of([&] { build_grid(file); });
+  const std::string message = error_thrown_by([&] { build_grid(file); });
   expect_part(message, "nan.nrrd: holds nan at x = 0, y = 1, z = 0");
   expect_part(message, "snippet:1");
-  expect_part(error_of([&] { build_grid(write_bytes(folder.path() / "a.bin", "nothing known")); }),
+  expect_part(error_thrown_by([&] { build_grid(write_bytes(folder.path() / "a.bin", "nothing known")); }),
               "as no format of volumes does");
 }
 

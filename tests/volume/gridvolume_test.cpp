@@ -156,7 +156,8 @@ TEST(GridVolume, NumbersThatAreNoColours) {
   EXPECT_EQ(six->minimum(), -5);
   const auto vectors = write_bytes(folder.path() / "3.vol", make_vol({4, 1, 1}, 3, values).bytes());
   EXPECT_EQ(build_grid(vectors, R"(<boolean name="raw" value="true"/>)")->channels(), 3);
-  EXPECT_NE(error_of([&] { build_grid(vectors); }).find("a colour must not be negative"), std::string::npos);
+  EXPECT_NE(error_thrown_by([&] { build_grid(vectors); }).find("a colour must not be negative"),
+            std::string::npos);
 }
 
 TEST(GridVolume, VoxelsBelowZeroByRoundingAreZero) {
@@ -169,7 +170,8 @@ TEST(GridVolume, VoxelsBelowZeroByRoundingAreZero) {
   }
   const auto file =
       write_bytes(folder.path() / "b.vol", make_vol({2, 1, 1}, 3, {1, 1, 1, 1, 1, -2e-6f}).bytes());
-  EXPECT_NE(error_of([&] { build_grid(file); }).find("a colour must not be negative"), std::string::npos);
+  EXPECT_NE(error_thrown_by([&] { build_grid(file); }).find("a colour must not be negative"),
+            std::string::npos);
 }
 
 TEST(GridVolume, ValuesFromAProgram) {
@@ -186,7 +188,7 @@ TEST(GridVolume, ValuesFromAProgram) {
            ObjectPtr(std::make_shared<Array>(std::vector<std::size_t>{2, 3},
                                              std::vector<double>{0, 1, 2, 3, 4, 5})),
            {});
-  EXPECT_NE(error_of([&] { plugin->create(flat); }).find("got 2 x 3"), std::string::npos);
+  EXPECT_NE(error_thrown_by([&] { plugin->create(flat); }).find("got 2 x 3"), std::string::npos);
 }
 
 /// Every value in a part of the box is below its bound, whatever the filter, wrapping and transform.
@@ -260,7 +262,7 @@ TEST(GridVolume, BoundsAreThoseOfTheirNeighbourhood) {
 std::string error_with(const VolFile& vol, const std::string& parameters = "") {
   VolumeFolder folder;
   const auto file = write_bytes(folder.path() / "bad.vol", vol.bytes());
-  return error_of([&] { build_grid(file, parameters); });
+  return error_thrown_by([&] { build_grid(file, parameters); });
 }
 
 TEST(GridVolume, BadFilesAreLocatedErrors) {
@@ -294,10 +296,10 @@ TEST(GridVolume, BadFilesAreLocatedErrors) {
       "holds nan at x = 0, y = 1, z = 1");
   VolFile two = make_vol({2, 2, 1}, 2, std::vector<float>(8, 1.f));
   EXPECT_NE(error_with(two).find("has 2 numbers at each voxel"), std::string::npos);
-  EXPECT_NE(error_of([] { build_grid("/nowhere/a.vol"); }).find("no such file"), std::string::npos);
+  EXPECT_NE(error_thrown_by([] { build_grid("/nowhere/a.vol"); }).find("no such file"), std::string::npos);
   VolumeFolder folder;
   const auto brief = write_bytes(folder.path() / "a.vol", "VOL\3");
-  EXPECT_NE(error_of([&] { build_grid(brief); }).find("too short"), std::string::npos);
+  EXPECT_NE(error_thrown_by([&] { build_grid(brief); }).find("too short"), std::string::npos);
   EXPECT_NE(error_with(good, choice("filter_type", "cubic")).find("trilinear"), std::string::npos);
 }
 

@@ -90,7 +90,7 @@ TEST_P(VdbVolume, ToWorldComesAfterTheGridsOwnTransform) {
 
 TEST_P(VdbVolume, WrongGridsAreLocatedErrors) {
   const auto error = [&](const std::string& parameters) {
-    return error_of([&] { build_vdb(sample(GetParam()), parameters); });
+    return error_thrown_by([&] { build_vdb(sample(GetParam()), parameters); });
   };
   const std::string unknown = error(choice("grid", "densty"));
   EXPECT_NE(unknown.find("has no grid \"densty\""), std::string::npos) << unknown;
@@ -165,7 +165,7 @@ TEST(NvdbVolume, BadFilesAreLocatedErrors) {
   VolumeFolder folder;
   const auto error_with = [&](const std::string& bytes) {
     const auto file = write_bytes(folder.path() / "bad.nvdb", bytes);
-    const std::string message = error_of([&] { build_vdb(file); });
+    const std::string message = error_thrown_by([&] { build_vdb(file); });
     EXPECT_NE(message.find("bad.nvdb"), std::string::npos) << message;
     return message;
   };
@@ -194,7 +194,7 @@ TEST(NvdbVolume, DamagedNodesAreErrorsOrValues) {
   const std::size_t grid = good.find("density", 1000) - 40;  // its name in its own head
   const auto error_with = [&](const std::string& bytes) {
     const auto file = write_bytes(folder.path() / "bad.nvdb", bytes);
-    return error_of([&] { build_vdb(file); });
+    return error_thrown_by([&] { build_vdb(file); });
   };
   ASSERT_EQ(error_with(good), "");
   // The distance from the tree, which follows the head of 672 bytes, to its root.
@@ -220,7 +220,7 @@ TEST(VdbFiles, VoxelsFarApartNeedLittleMemoryOrAreErrors) {
   const auto file = source_dir() / "tests/references/scenes/volumes/far.vdb";
   const VolumePtr near = build_vdb(file, choice("grid", "near"));
   EXPECT_FLOAT_EQ(near->maximum(), 1);
-  const std::string message = error_of([&] { build_vdb(file, choice("grid", "far")); });
+  const std::string message = error_thrown_by([&] { build_vdb(file, choice("grid", "far")); });
   EXPECT_NE(message.find("far.vdb\" is too large: the box around the grid \"far\""), std::string::npos)
       << message;
 }
@@ -234,7 +234,7 @@ TEST(VdbFiles, BadFilesAreLocatedErrors) {
     if (bad.size() < 8) continue;
     // Half of the file ends before the last grid's own head.
     const auto file = write_bytes(folder.path() / "bad.vdb", bad);
-    const std::string message = error_of([&] { build_vdb(file); });
+    const std::string message = error_thrown_by([&] { build_vdb(file); });
     EXPECT_NE(message.find("bad.vdb"), std::string::npos) << message;
   }
 }

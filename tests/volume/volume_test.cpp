@@ -74,7 +74,7 @@ TEST(Volume, RolesExcludeValues) {
         grid_xml(write_bytes(folder.path() / "v.vol", make_vol({1, 1, 1}, channels, values).bytes())));
   };
   const auto error = [&](SpectrumRole role, const std::string& xml) {
-    return error_of([&] { read(role, xml); });
+    return error_thrown_by([&] { read(role, xml); });
   };
   EXPECT_EQ(error(SpectrumRole::unbounded, write(1, {1.5f})), "");
   EXPECT_NE(error(SpectrumRole::reflectance, write(1, {1.5f})).find("goes up to 1.5"), std::string::npos);

@@ -90,7 +90,7 @@ inline std::string choice(const std::string& name, const std::string& value) {
 }
 
 template <std::invocable F>
-std::string error_of(F&& f) {
+std::string error_thrown_by(F&& f) {
   try {
     f();
   } catch (const Error& e) {

@@ -13,6 +13,7 @@
 #include "aureole/scene/ray_tracer.h"
 #include "aureole/scene/scene_parts.h"
 #include "aureole/scene/scene_surfaces.h"
+#include "aureole/scene/scene_tables.h"
 #include "aureole/sensor/placed_sensor.h"
 
 namespace aureole {
@@ -99,6 +100,8 @@ public:
   const OutlineEdges* outline_edges() const { return outline_edges_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return surfaces_.tracer->bounds(); }
+  /// Tables that integrators derive from this scene.
+  SceneTables& tables() const { return tables_; }
   /// Notes for the user about the whole scene.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -149,6 +152,7 @@ private:
   Bounds3 media_bounds_;   ///< bounds of the surfaces at which a medium begins or ends
   Bounds3 ranked_bounds_;  ///< bounds of the bodies with a rank
   std::vector<std::string> notes_;
+  mutable SceneTables tables_;
 };
 
 }  // namespace aureole

@@ -50,6 +50,7 @@ struct PlacedSensor {
     if (const auto crossing = sensor->crossing(*this, light)) f(*crossing);
     for (const PlacedSensor& member : members) member.for_crossings(light, f);
   }
+  std::optional<PinholeView> pinhole() const { return sensor->pinhole(*this); }
   bool counts_crossings() const { return sensor->counts_crossings(); }
   const Film& film() const { return sensor->film(); }
   const Sampler& sampler() const { return sensor->sampler(); }

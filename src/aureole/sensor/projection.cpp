@@ -81,6 +81,13 @@ void LensCamera::fit(PlacedSensor& at) const {
                     float(height * (0.5 - principal_point_offset_[1]))};
 }
 
+std::optional<PinholeView> LensCamera::pinhole(const PlacedSensor& at) const {
+  if (aperture_radius_ > 0) return {};
+  // Camera space has x to the left and y up.
+  return PinholeView{Transform::scale(-1, -1, 1) * to_camera_, at.film_center, 1 / at.pixel_size, clip_.near,
+                     clip_.far};
+}
+
 Vec2 LensCamera::aperture_point(Vec2 lens) const {
   return aperture_radius_ > 0 ? square_to_disc_concentric(lens).p * aperture_radius_ : Vec2{};
 }

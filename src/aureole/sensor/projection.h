@@ -37,6 +37,7 @@ public:
                                                 Vec2 lens) const override;
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
                                      std::optional<Vec2> seen) const override;
+  std::optional<PinholeView> pinhole(const PlacedSensor& at) const override;
   void fit(PlacedSensor& at) const override;
   std::string clipping_note(std::span<const Bounds3> shapes) const override {
     return clip_.note(properties(), to_camera_, shapes, clip_.far);

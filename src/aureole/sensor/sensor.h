@@ -8,6 +8,7 @@
 #include <string>
 
 #include "aureole/film/film.h"
+#include "aureole/math/transform.h"
 #include "aureole/medium/medium.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
@@ -104,6 +105,15 @@ struct FilmPart {
   bool samples(Vec2 p) const { return p.x >= lower.x && p.y >= lower.y && p.x <= upper.x && p.y <= upper.y; }
 };
 
+/// A projection through one point, as a camera of computer vision states it: x to the right and y down in the picture, z
+/// along the optical axis.
+struct PinholeView {
+  Transform to_camera;              ///< from the world
+  Vec2 center;                      ///< film position of the optical axis [pixels]
+  float focal = 1;                  ///< [pixels]: film = center + focal (x / z, y / z)
+  float near = 0, far = kInfinity;  ///< depths z between which geometry is visible
+};
+
 class Sensor : public Object {
 public:
   static constexpr const char* kFamily = "a sensor";
@@ -142,6 +152,9 @@ public:
     return {};
   }
   virtual bool counts_crossings() const { return false; }
+
+  /// The projection of a camera without a lens; nothing for other sensors.
+  virtual std::optional<PinholeView> pinhole(const PlacedSensor& /*at*/) const { return {}; }
 
   /// Throws Error if the sensor cannot measure on the surface of its parent shape.
   virtual void check_shape(const ShapeArea& area) const;

@@ -6,12 +6,12 @@
 #include <limits>
 #include <set>
 
+#include "aureole/parameter/ply/ply_source.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/mesh/mesh.h"
 #include "aureole/shape/mesh/mesh_file.h"
 #include "aureole/shape/mesh/mesh_polygons.h"
 #include "aureole/shape/mesh/ply_attributes.h"
-#include "aureole/shape/mesh/ply_source.h"
 
 namespace aureole {
 namespace {

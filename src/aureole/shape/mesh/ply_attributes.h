@@ -5,8 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "aureole/parameter/ply/ply_header.h"
 #include "aureole/shape/mesh/mesh.h"
-#include "aureole/shape/mesh/ply_header.h"
 #include "aureole/spectrum/value_limit.h"
 
 namespace aureole::ply {

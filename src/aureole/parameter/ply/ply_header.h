@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "aureole/shape/mesh/mesh_file.h"
+#include "aureole/parameter/ply/file_text.h"
 
 namespace aureole::ply {
 
@@ -45,6 +45,6 @@ struct Header {
 };
 
 /// Throws an Error that names the line.
-Header read_header(const MeshFile& file);
+Header read_header(const FileText& file);
 
 }  // namespace aureole::ply

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/mesh/ply_header.h"
+#include "aureole/parameter/ply/ply_header.h"
 
 #include <cstring>
 #include <map>
@@ -8,7 +8,7 @@ namespace aureole::ply {
 
 namespace {
 
-Type type_named(const MeshFile& file, std::string_view name) {
+Type type_named(const FileText& file, std::string_view name) {
   static const std::map<std::string_view, Type> kTypes = {
       {"char", Type::int8},      {"int8", Type::int8},      {"uchar", Type::uint8},
       {"uint8", Type::uint8},    {"short", Type::int16},    {"int16", Type::int16},
@@ -23,7 +23,7 @@ Type type_named(const MeshFile& file, std::string_view name) {
   return found->second;
 }
 
-Property read_property(const MeshFile& file, Scanner& s) {
+Property read_property(const FileText& file, Scanner& s) {
   Property p;
   std::string_view type = s.word();
   if (type == "list") {
@@ -38,7 +38,7 @@ Property read_property(const MeshFile& file, Scanner& s) {
   return p;
 }
 
-Element read_element(const MeshFile& file, Scanner& s) {
+Element read_element(const FileText& file, Scanner& s) {
   Element e;
   e.name = s.word();
   long long count;
@@ -67,7 +67,7 @@ std::size_t Element::least_bytes() const {
   return n;
 }
 
-Header read_header(const MeshFile& file) {
+Header read_header(const FileText& file) {
   Header header;
   bool has_format = false;
   const char* at = file.begin();

@@ -6,14 +6,14 @@
 #include <bit>
 #include <cstring>
 
-#include "aureole/shape/mesh/ply_header.h"
+#include "aureole/parameter/ply/ply_header.h"
 
 namespace aureole::ply {
 
 /// Reads values from a text body, one after the other.
 class TextSource {
 public:
-  TextSource(const MeshFile& file, const char* at) : file_(file), s_{at, file.end()} {}
+  TextSource(const FileText& file, const char* at) : file_(file), s_{at, file.end()} {}
   double value(Type) {
     double v;
     s_.skip_white();
@@ -38,7 +38,7 @@ public:
   }
 
 private:
-  const MeshFile& file_;
+  const FileText& file_;
   Scanner s_;
   std::size_t long_lines_ = 0;
 };
@@ -46,7 +46,7 @@ private:
 template <bool kSwap>
 class BinarySource {
 public:
-  BinarySource(const MeshFile& file, const char* at) : file_(file), at_(at), end_(file.end()) {}
+  BinarySource(const FileText& file, const char* at) : file_(file), at_(at), end_(file.end()) {}
   double value(Type t) {
     switch (t) {
       case Type::int8:
@@ -91,7 +91,7 @@ private:
     return std::bit_cast<T>(raw);
   }
 
-  const MeshFile& file_;
+  const FileText& file_;
   const char *at_, *end_;
 };
 

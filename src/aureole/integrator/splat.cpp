@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// Splatting: pictures of Gaussian splats and of points by projection, sorting and blending.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "aureole/core/image.h"
+#include "aureole/integrator/aov_channels.h"
+#include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/splat/splat_blend.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/path_density.h"
+
+namespace aureole {
+namespace {
+
+std::vector<const SplatMedium*> splat_media(const Scene& scene) {
+  std::vector<const SplatMedium*> media;
+  for (const Medium* medium : scene.media())
+    if (const auto* splats = dynamic_cast<const SplatMedium*>(medium)) media.push_back(splats);
+  return media;
+}
+
+/// The distance along a ray at which it leaves a box, or 0 where it does not pass it.
+float exit_of(const Bounds3& box, const Ray& ray) {
+  float begin = 0, end = kInfinity;
+  for (int k = 0; k < 3; ++k) {
+    const float a = (box.lower[k] - ray.o[k]) / ray.d[k], b = (box.upper[k] - ray.o[k]) / ray.d[k];
+    if (ray.d[k] == 0) {
+      if (ray.o[k] < box.lower[k] || ray.o[k] > box.upper[k]) return 0;
+      continue;
+    }
+    begin = std::max(begin, std::min(a, b)), end = std::min(end, std::max(a, b));
+  }
+  return end > begin ? end : 0;
+}
+
+class SplatIntegrator final : public Integrator {
+public:
+  explicit SplatIntegrator(const Properties& p)
+      : Integrator(p),
+        settings_(SplatSettings::read(p)),
+        nested_(nested_integrators(p, "integrator")),
+        d65_(d65_spectrum(p.context().grid, 1)),
+        measures_(p.get_bool("measures", false)) {
+    if (nested_.size() > 1)
+      throw p.error("integrator", "one integrator finds what is behind the splats; there are several");
+    if (!nested_.empty() && settings_.background)
+      throw p.error("integrator",
+                    "nothing but the background is seen behind the splats: state only one of both");
+    if (nested_.empty()) nested_.push_back({"", make_default<const Integrator>(p, "integrator"), {}, {}});
+    if (!nested_.front().channels.empty())
+      throw p.error("integrator", "has further channels; nest \"splat\" in \"aov\" instead");
+  }
+
+  SceneNeeds needs() const override { return nested_needs(nested_); }
+  bool shows_emitters() const override { return behind().shows_emitters(); }
+  void require_scene(const Scene& scene) const override {
+    behind().require_scene(scene);
+    const auto media = splat_media(scene);
+    if (media.empty())
+      throw Error(properties().where(),
+                  "\"splat\" shows media of the type \"splats\", and the scene has none: give a shape "
+                  "<medium type=\"splats\" name=\"interior\">");
+    for (const Medium* medium : scene.media())
+      if (!dynamic_cast<const SplatMedium*>(medium))
+        throw Error(
+            medium->properties().where(),
+            "\"splat\" shows media of the type \"splats\" alone; this one would not be seen before or within them");
+    if (scene.sensor().sensor->medium())
+      throw Error(scene.sensor().sensor->properties().where(),
+                  "\"splat\" passes no medium: state none on the sensor");
+    if (!scene.sensor().pinhole())
+      throw Error(scene.sensor().sensor->properties().where(),
+                  "\"splat\" projects splats through one point: use the sensor \"perspective\"");
+    SplatConventions::of(media, settings_, properties());
+    for (const SplatMedium* medium : media) {
+      if (medium->emission_scale() != media.front()->emission_scale())
+        throw medium->properties().error("emission_scale",
+                                         "splats that are blended together have one scale of their light");
+      const SplatCloud& cloud = medium->cloud();
+      const bool needs_extent = settings_.footprint != SplatSettings::Footprint::point && !settings_.blends();
+      if (!needs_extent) continue;
+      for (const Vec3& s : cloud.scales)
+        if (!(max_component(s) > 0))
+          throw medium->properties().error(
+              "radius", "points without a radius have no footprint but \"point\": state their radius");
+    }
+    const auto splats = projected(scene);
+    if (splats->without_area() > 0)
+      properties().note(
+          "dilation",
+          fmt::format("{} splats have a projection without area, which is not seen without dilation",
+                      splats->without_area()));
+    if (splats->footprints().empty())
+      properties().note(
+          "", "none of the splats is seen: all lie beside the picture, before \"near\" or beyond far_clip");
+  }
+  std::vector<std::string> aov_names() const override {
+    if (!measures_) return {};
+    return {"splats.R", "splats.G", "splats.B", "transmittance", "depth"};
+  }
+  std::vector<std::string> aov_meanings() const override {
+    if (!measures_) return {};
+    return {
+        "red of the blended splats, in the colours that are blended", "green of the blended splats",
+        "blue of the blended splats", "part of the light from behind the splats that passes",
+        "distance from the camera of the splat that leaves half of that light or less, scene units; 0: none"};
+  }
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    const auto projection = projected(scene);
+    const Vec3 eye = scene.sensor().pinhole()->to_camera.inverse().point({0, 0, 0});
+    Ray rays[kBatch];
+    float ends[kBatch];
+    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
+    if (!settings_.background)
+      find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
+
+    // Samples at one position, as those of a pixel's centre, are blended once.
+    static_assert(kBatch <= kSplatLanes);
+    SplatSample samples[kBatch];
+    int sample_of[kBatch], count = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      SplatSample s;
+      s.film = paths[i].film;
+      if (settings_.at_pixel_center) s.film = {std::floor(s.film.x) + 0.5f, std::floor(s.film.y) + 0.5f};
+      if (ends[i] < kInfinity) s.limit = length(rays[i].o - eye) + ends[i];
+      int k = 0;
+      while (k < count &&
+             !(samples[k].film.x == s.film.x && samples[k].film.y == s.film.y && samples[k].limit == s.limit))
+        ++k;
+      if (k == count) samples[count++] = s;
+      sample_of[i] = k;
+    }
+    blend_splats(*projection, settings_, {samples, std::size_t(count)});
+
+    if (!settings_.background) {
+      // The nested integrator begins at the first surface, or behind all media.
+      for (std::size_t i = 0; i < paths.size(); ++i) {
+        Path& path = paths[i];
+        const float shift = ends[i] < kInfinity ? ends[i] : 1.0001f * exit_of(scene.bounds(), path.ray);
+        path.ray.o = path.ray.o + path.ray.d * shift;
+        path.ray.t_max -= shift;
+      }
+      behind().trace(scene, paths, splats, log);
+    }
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      Path& path = paths[i];
+      const SplatSample& s = samples[sample_of[i]];
+      path.ray = rays[i];
+      if (settings_.background) path.result = {};
+      const float passes = settings_.background ? 0.f : s.transmittance;
+      path.result.estimate = path.result.estimate * passes +
+                             single_estimate(light_of(scene, *projection, s, path), path.wavelengths);
+      path.result.alpha = 1 - passes * (1 - path.result.alpha);
+      if (!measures_) continue;
+      for (int k = 0; k < 3; ++k) path.aovs[k] = s.color[k];
+      path.aovs[3] = s.transmittance, path.aovs[4] = s.distance < kInfinity ? s.distance : 0.f;
+    }
+  }
+
+private:
+  const Integrator& behind() const { return *nested_.front().integrator; }
+
+  std::shared_ptr<const ProjectedSplats> projected(const Scene& scene) const {
+    return scene.tables().get<ProjectedSplats>(settings_.key(), [&] {
+      const auto media = splat_media(scene);
+      const Film& film = scene.film();
+      return std::make_shared<const ProjectedSplats>(
+          media, settings_, SplatConventions::of(media, settings_, properties()), *scene.sensor().pinhole(),
+          scene.sensor().part, film.crop_x(), film.crop_y());
+    });
+  }
+
+  /// The light of blended splats: their colour is a radiance in units of D65, as that of an <rgb> emitter.
+  Spectrum light_of(const Scene& scene, const ProjectedSplats& splats, const SplatSample& s,
+                    const Path& path) const {
+    const bool is_encoded = settings_.blends() && splats.conventions().colors == SplatHints::Colors::srgb;
+    float rgb[3];
+    const float opacity = 1 - s.transmittance;
+    for (int k = 0; k < 3; ++k) {
+      rgb[k] = s.color[k];
+      if (settings_.background) {
+        rgb[k] += s.transmittance * (*settings_.background)[k];
+        if (is_encoded) rgb[k] = srgb_decode(rgb[k]);
+      } else if (is_encoded && opacity > 0) {
+        rgb[k] = opacity * srgb_decode(rgb[k] / opacity);
+      }
+    }
+    const float scale = splat_media(scene).front()->emission_scale();
+    return ColorBasis(path.wavelengths.nm).eval(ColorWeights::of_linear_rgb(rgb[0], rgb[1], rgb[2])) *
+           d65_.eval(path.wavelengths) * scale;
+  }
+
+  SplatSettings settings_;
+  std::vector<NestedIntegrator> nested_;
+  SampledSpectrum d65_;
+  bool measures_;
+};
+
+std::vector<ParameterDoc> splat_rows() {
+  std::vector<ParameterDoc> all = SplatSettings::rows();
+  all.push_back(
+      {"measures", "boolean", "", "false",
+       "further channels splats.R, splats.G, splats.B (blended, before they are decoded), transmittance and depth"});
+  return all;
+}
+
+AUREOLE_PLUGIN(
+    SplatIntegrator, "integrator", "splat",
+    PluginDoc{
+        "Projects, sorts and blends the media of the type \"splats\": Gaussian splats by the formulas of 3D Gaussian splatting, "
+        "points by the footprints of point-based graphics. Each convention in which viewers differ is a parameter with its "
+        "published default. Surfaces are seen before and behind splats, by a nested integrator. What the scene's other integrators "
+        "make of the same media is light in a medium (docs/splats.md).",
+        "Kerbl, Kopanas, Leimkuehler & Drettakis 2023, \"3D Gaussian splatting for real-time radiance field rendering\"; Zwicker, "
+        "Pfister, van Baar & Gross 2001, \"Surface splatting\"; Yu and others 2024, \"Mip-Splatting\"",
+        splat_rows(),
+        {R"(<integrator type="splat"><string name="footprint" value="3dgs"/><string name="sorting" value="camera_distance"/>
+    <string name="projection" value="tangential"/><string name="color_space" value="srgb"/>
+    <string name="compensation" value="off"/><float name="dilation" value="0.3"/><float name="cutoff" value="3"/>
+    <float name="opacity_cap" value="0.999"/><float name="opacity_limit" value="0.004"/><float name="termination" value="0.0001"/>
+    <float name="near" value="0.01"/><float name="jacobian_limit" value="1.3"/><string name="evaluated_at" value="sample"/>
+    <boolean name="measures" value="true"/><integrator type="direct"/></integrator>)",
+         R"(<integrator type="splat"><string name="background" value="1, 1, 1"/></integrator>)",
+         R"(<integrator type="splat"><string name="footprint" value="ewa"/><string name="normalization" value="weights"/>
+    <float name="depth_range" value="2"/></integrator>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// `SplatField`: Gaussian splats as a field of extinction, with the cells of a grid that list the splats in them.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "aureole/medium/classified/transfer_function.h"
+#include "aureole/medium/majorant_grid.h"
+#include "aureole/parameter/splat/splat_cloud.h"
+
+namespace aureole {
+
+class SplatField {
+public:
+  /// The direction through the centre of a splat along which it has its opacity.
+  enum class OpacityAlong { shortest, mean };
+  struct Options {
+    OpacityAlong along = OpacityAlong::shortest;
+    float cutoff = 3;  ///< Mahalanobis distance at which a splat ends
+    float extinction_scale = 1;
+  };
+
+  /// A Gaussian of the world: its extinction at p is peak exp(-|whiten (p - center)|^2 / 2) [1/length].
+  struct Splat {
+    Vec3 center;
+    Vec3 whiten[3];  ///< rows of the matrix that turns the ellipsoid into the unit sphere
+    float peak;
+    ColorWeights color;
+
+    Vec3 whitened(const Vec3& v) const { return {dot(whiten[0], v), dot(whiten[1], v), dot(whiten[2], v)}; }
+  };
+
+  SplatField(const SplatCloud& cloud, const Transform& to_world, const Options& options);
+
+  /// Extinction at a point, and the sum of the splats' colours weighted by their extinctions.
+  struct Sample {
+    float extinction = 0;
+    ColorWeights color;
+  };
+  Sample at(const Vec3& p) const;
+  /// The optical thickness along a ray of unit direction up to the distance t_max, in closed form: splats that overlap
+  /// add, whatever their order.
+  double optical_thickness(const Ray& ray, float t_max) const;
+
+  /// Upper bounds of the extinction.
+  const MajorantGrid& grid() const { return *grid_; }
+  const std::vector<Splat>& splats() const { return splats_; }
+  /// Number of splats whose shortest scale was raised to 1/100 of the longest, and of those without any extent.
+  std::size_t thickened() const { return thickened_; }
+  std::size_t without_extent() const { return without_extent_; }
+
+private:
+  void make_cells();
+  std::size_t cell_of(const Vec3& p) const;
+
+  Options options_;
+  std::vector<Splat> splats_;
+  std::vector<Bounds3> boxes_;  ///< of the splats; empty once the cells are made
+  std::vector<float> longest_;  ///< axis of each splat [length]; empty once the cells are made
+  std::size_t thickened_ = 0, without_extent_ = 0;
+  Bounds3 bounds_;
+  std::array<int, 3> cells_{1, 1, 1};
+  Vec3 per_length_;                   ///< cells per length along each axis
+  std::vector<std::uint64_t> first_;  ///< index of each cell's first entry
+  std::vector<std::uint32_t> entries_;
+  std::optional<MajorantGrid> grid_;
+};
+
+}  // namespace aureole
