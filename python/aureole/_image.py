@@ -286,7 +286,7 @@ def convert(path: "str | os.PathLike[str]", output: "str | os.PathLike[str]", *,
     quality : int
         Of a JPEG, 1 to 100.
     """
-    if difference_kind not in ("absolute", "relative", "plain"):
+    if text("difference_kind", difference_kind) not in ("absolute", "relative", "plain"):
         raise Error(f'difference_kind: expected "absolute", "relative" or "plain", got {shown(difference_kind)}')
     window = None
     if crop is not None:

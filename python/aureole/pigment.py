@@ -895,7 +895,7 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     with contextlib.ExitStack() as stack:
         tables = [stack.enter_context(_table(name)) for name in files]
         parts, ratios, cosines, specimens, held, notes = _aureole.pigment_joint_fit(
-            tables, None if surface is None else tuple(surface), theory == "streams", scalar("index", index, minimum=1, maximum=4),
+            tables, None if surface is None else (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
             scalar("g", g, minimum=-0.95, maximum=0.95), scalar("g_error", g_error, minimum=0, maximum=3), geometry or "", specular or "",
             scalar("noise", noise, minimum=1e-5, maximum=0.2),
             scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),

@@ -39,7 +39,7 @@ bool is_zero_outside(const std::string& parameter) {
 bool is_picture(const PluginInfo& p, const std::string& parameter) {
   return (p.name == "bumpmap" && parameter == "texture") || parameter == "normalmap" ||
          (p.name == "spot" && parameter == "texture") || (p.name == "sggx" && parameter == "S") ||
-         (p.name == "classified" && parameter == "value");
+         (p.name == "classified" && (parameter == "value" || parameter == "mask"));
 }
 
 /// Builds an example with the parameter replaced by a spectrum from 500 to 510 nm; returns the notes about it,
