@@ -766,6 +766,28 @@ TEST_F(PigmentCli, TemplateAndJointFitsRefuseWithAReason) {
   EXPECT_EQ(run("fit film.csv --joint"), 0) << said;
 }
 
+TEST_F(PigmentCli, NumberedHeadingsAreRepeats) {
+  write("plain.csv", "paints,400,700\nwhite,0.8,0.9\nwhite,0.82,0.92\n");
+  ASSERT_EQ(run("fit plain.csv --json plain.json"), 0) << said;
+  for (const auto& [first, second] :
+       {std::pair{"_1", "_2"}, {"-1", "-2"}, {" #1", " #2"}, {"nm_1", "nm_2"}, {"", ".1"}, {".1", ".2"}}) {
+    const std::string a = std::string("400") + first, b = std::string("400") + second,
+                      c = std::string("700") + first, d = std::string("700") + second;
+    write("a.csv", "paints," + a + "," + b + "," + c + "," + d + "\nwhite,0.8,0.82,0.9,0.92\n");
+    ASSERT_EQ(run("fit a.csv --json a.json"), 0) << said;
+    EXPECT_NE(said.find("each wavelength has 2 columns: they are repeats"), std::string::npos) << a << said;
+    EXPECT_EQ(json("a.json")["pigments"][0]["k"], json("plain.json")["pigments"][0]["k"]) << a;
+  }
+  // Tenths of nanometres stay wavelengths.
+  write("fine.csv", "paints,400,400.1,400.2,401,401.1,401.2,700\nwhite,0.8,0.8,0.8,0.8,0.8,0.8,0.8\n");
+  ASSERT_EQ(run("fit fine.csv"), 0) << said;
+  EXPECT_NE(said.find("7 wavelengths from 400 to 700 nm"), std::string::npos) << said;
+  write("far.csv", "paints,4001,4002\nwhite,0.8,0.9\n");
+  fails("fit far.csv", "the heading \"4001\" is a wavelength of 4001 nm");
+  write("film.csv", "paints,backing,thickness_um,400,700\nwhite,,20,0.8,0.9\n");
+  fails("fit film.csv", "film.csv:2:7: \"white\" has a thickness and no backing; right would be opaque");
+}
+
 TEST_F(PigmentCli, WhatAJointFitNotes) {
   const std::string head = "sample,paints,backing,400,700,,\n";
   write(
@@ -787,7 +809,7 @@ TEST_F(PigmentCli, WhatAJointFitNotes) {
   ASSERT_EQ(run("fit t.csv --joint --theory two-flux --g-error 0.2"), 0) << said;
   EXPECT_NE(said.find("--g-error: has no effect on two fluxes"), std::string::npos) << said;
   ASSERT_EQ(run("fit t.csv --joint --specular included --white blanc"), 0) << said;
-  for (const char* part : {"interface: none", "two fluxes:", "(kept without --hold-out)",
+  for (const char* part : {"interface: none", "two fluxes:", "(in the palette: mix and match use two fluxes)",
                            "--specular: has no effect", "--white: no paint of t.csv is called \"blanc\""})
     EXPECT_NE(said.find(part), std::string::npos) << part << "\n" << said;
   ASSERT_EQ(run("mix p.csv white --substrate 0.5"), 0) << said;

@@ -272,7 +272,8 @@ void JointOptions::declare(CommandOptions& options) {
   options
       .add(
           "--theory", theory,
-          "with --joint: two-flux, streams, or best: both, and with --hold-out the better one is kept, else two-flux")
+          "with --joint: two-flux, streams, or best: both are fitted and compared, and the palette is that of two-flux, which "
+          "mix and match use")
       .one_of({"two-flux", "streams", "best"})
       .shows_default();
   options
@@ -364,8 +365,10 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
             ? candidates.front()
             : *std::min_element(candidates.begin(), candidates.end(),
                                 [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
-    best.fit->with_errors();
-    pigment::Palette palette = best.fit->palette();
+    // `mix`, `match`, `hide` and the BSDF use two fluxes, which predict worse with the K and S of streams.
+    Candidate& written = candidates.front();
+    written.fit->with_errors();
+    pigment::Palette palette = written.fit->palette();
     palette.surface = surface.surface();
 
     std::set<std::string> specimens;
@@ -384,19 +387,23 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
           "{:<12} sum of squares {:.0f} in {} steps; rms of a specimen: median {:.2f} %, largest {:.2f} %{}\n",
           c.name + ":", c.fit->cost(), c.fit->iterations(), median(rms),
           *std::max_element(rms.begin(), rms.end()),
-          &c != &best || candidates.size() == 1 ? ""
-          : keeps_back                          ? " (kept)"
-                                                : " (kept without --hold-out)");
-      out["theories"][c.name] = {
-          {"cost", c.fit->cost()}, {"median_rms_percent", median(rms)}, {"kept", &c == &best}};
+          fmt::format("{}{}", &c == &best && keeps_back && candidates.size() > 1 ? " (predicts better)" : "",
+                      &c == &written && candidates.size() > 1
+                          ? " (in the palette: mix and match use two fluxes)"
+                          : ""));
+      out["theories"][c.name] = {{"cost", c.fit->cost()},
+                                 {"median_rms_percent", median(rms)},
+                                 {"kept", &c == &written},
+                                 {"predicts_better", keeps_back && &c == &best}};
     }
-    if (best.name == "streams")
+    if (written.name == "streams")
       fmt::print(
-          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g); `mix` and `match` use them with two fluxes.\n");
-    print_paints(*best.fit, out);
-    print_specimens(table, *best.fit, out);
+          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g). `mix`, `match` and `hide` use two fluxes, which predict worse "
+          "with them than with those of --theory two-flux.\n");
+    print_paints(*written.fit, out);
+    print_specimens(table, *written.fit, out);
     if (keeps_back) print_held_out(table, candidates, plain, white, options.black, illuminant, out);
-    return JointPalette{palette, best.fit->ratio_error()};
+    return JointPalette{palette, written.fit->ratio_error()};
   });
 }
 

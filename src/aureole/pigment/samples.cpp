@@ -7,7 +7,10 @@
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "aureole/pigment/domain.h"
@@ -71,6 +74,41 @@ std::optional<Wavelength> wavelength_of(const std::string& text) {
   if (!nm || !(*nm >= 100 && *nm < 1e5)) return {};
   result.nm = *nm;
   return result;
+}
+
+/// Headings without the number of a repeat: "400_1", "R400-2", "400nm #3" are 400, R400 and 400nm. So are "400.1" and
+/// "400.2", as programs write columns of one name, if such wavelengths are at least 5 nm apart and all have the same
+/// numbers from 1 on; they cannot be tenths of nanometres then.
+std::vector<std::string> without_repeat_numbers(const TextRow& header) {
+  static const std::regex numbered("(.*[0-9]{3,4}( ?nm)?) ?[_#-] ?#?[0-9]{1,2}", std::regex::icase),
+      dotted("([^0-9]*)([0-9]{3,4})[.]([0-9])");
+  std::vector<std::string> texts;
+  std::map<std::string, std::vector<int>> tenths;
+  std::set<std::string> all;
+  for (const TextCell& cell : header.cells) {
+    std::smatch found;
+    texts.push_back(std::regex_match(cell.text, found, numbered) ? found[1].str() : cell.text);
+    all.insert(cell.text);
+    if (std::regex_match(cell.text, found, dotted))
+      tenths[found[1].str() + found[2].str()].push_back(found[3].str()[0] - '0');
+  }
+  if (tenths.size() < 2) return texts;
+  std::vector<double> wavelengths;
+  for (auto& [base, numbers] : tenths) {
+    std::sort(numbers.begin(), numbers.end());
+    const auto wavelength = wavelength_of(base);
+    if (!wavelength || (!all.contains(base) && numbers.size() < 2) || numbers != tenths.begin()->second)
+      return texts;
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (numbers[i] != int(i) + 1) return texts;
+    wavelengths.push_back(wavelength->nm);
+  }
+  std::sort(wavelengths.begin(), wavelengths.end());
+  for (std::size_t i = 0; i + 1 < wavelengths.size(); ++i)
+    if (wavelengths[i + 1] - wavelengths[i] < 5) return texts;
+  for (std::string& text : texts)
+    if (std::smatch found; std::regex_match(text, found, dotted)) text = found[1].str() + found[2].str();
+  return texts;
 }
 
 /// Columns of instruments' exports that this table has no use for.
@@ -149,6 +187,7 @@ struct Columns {
   Columns(const TextRow& header, Recipes recipes, std::vector<std::string>& notes) {
     std::vector<Found> reflected, through;
     const auto line = [&](const TextCell& cell) { return cell.line ? cell.line : header.line; };
+    const std::vector<std::string> headings = without_repeat_numbers(header);
     for (std::size_t i = 0; i < header.cells.size(); ++i) {
       const TextCell& cell = header.cells[i];
       if (auto* known = find(cell.text, &thickness_scale)) {
@@ -156,7 +195,7 @@ struct Columns {
         *known = i;
         continue;
       }
-      if (const auto wavelength = wavelength_of(cell.text)) {
+      if (const auto wavelength = wavelength_of(headings[i])) {
         (wavelength->transmitted ? through : reflected).push_back({i, wavelength->nm});
         percent = percent || wavelength->percent;
         continue;
@@ -213,6 +252,11 @@ private:
       throw TextError(cell.line ? cell.line : header.line, cell.column,
                       message + "; a line of headings that would be right:\n    " + kRightHeader);
     };
+    constexpr double kShortest = 200, kLongest = 2600;
+    for (const Found& f : found)
+      if (f.nm < kShortest || f.nm > kLongest)
+        fail(f.column, "the heading \"" + header.cells[f.column].text + "\" is a wavelength of " +
+                           number_text(f.nm) + " nm; those of pigments are from 200 to 2600 nm");
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (found.size() % wavelengths.size() != 0 || found[i].nm != wavelengths[i / repeats])
         fail(found[i].column, "wavelengths must increase or all come equally often: \"" +
@@ -370,6 +414,12 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   for (std::size_t r = 0; r < columns.values.size(); ++r)
     if (columns.transmitted[r] && is_measured(r) && text(columns.backing).empty() && !s.paints.empty())
       s.backing = "none";
+  if (s.thickness > 0 && !s.paints.empty() && s.backing == "opaque" && text(columns.backing).empty())
+    fail(
+        columns.backing ? columns.backing : columns.thickness,
+        "\"" + s.name +
+            "\" has a thickness and no backing; right would be opaque, none (a free film), an inner reflectance such as "
+            "0.04, or the name of a line without paints, the bare card");
   for (std::size_t r = 0; r < columns.values.size(); ++r) {
     const std::vector<std::size_t>& run = columns.values[r];
     if (has_film && !is_measured(r)) continue;  // a row may have one quantity only
@@ -396,7 +446,7 @@ struct Grid {
 
 int count_headings(const TextRow& row) {
   int count = 0;
-  for (const TextCell& cell : row.cells) count += wavelength_of(cell.text).has_value();
+  for (const std::string& text : without_repeat_numbers(row)) count += wavelength_of(text).has_value();
   return count;
 }
 
