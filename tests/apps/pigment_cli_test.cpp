@@ -619,13 +619,22 @@ TEST_F(PigmentCli, WhatDataCannotTell) {
         "its substrates \"p\" and \"q\" reflect nearly the same (0.8 and 0.82 at 550 nm): two that differ");
   ASSERT_EQ(run("fit alike.csv --joint"), 0) << said;
   EXPECT_NE(said.find("the cards below"), std::string::npos) << said;
+  EXPECT_NE(said.find("neither K nor S nor K/S is known"), std::string::npos) << said;
   write("one.csv", "sample,paints,backing,400,550,700\np,,,0.80,0.80,0.80\na,ochre,p,0.4,0.4,0.4\n");
-  ASSERT_EQ(run("fit one.csv --joint"), 0) << said;
-  EXPECT_NE(
-      said.find(
-          "the paint \"ochre\" was measured alone and over one card: only K/S is known; missing is a tint"),
-      std::string::npos)
+  ASSERT_EQ(run("fit one.csv --joint --json one.json"), 0) << said;
+  for (const char* part : {"\"ochre\" was measured as one film over one card",
+                           "neither K nor S nor K/S is known", "unknown: one film over one card"})
+    EXPECT_NE(said.find(part), std::string::npos) << part << said;
+  EXPECT_TRUE(json("one.json")["pigments"][0]["fit"]["unknown"].get<bool>());
+  write("opaque.csv", "sample,paints,backing,400,550,700\na,ochre,opaque,0.4,0.4,0.4\n");
+  ASSERT_EQ(run("fit opaque.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("\"ochre\" was measured alone and opaque: only K/S is known; missing is a tint"),
+            std::string::npos)
       << said;
+  write("both.csv",
+        "sample,paints,backing,400,550,700\na,ochre,opaque,0.4,0.4,0.4\nb,ochre,0.04,0.3,0.3,0.3\n");
+  ASSERT_EQ(run("fit both.csv --joint"), 0) << said;
+  EXPECT_EQ(said.find("is known"), said.find("is known at (nm)") - 0) << said;
   // A thin layer by two fluxes: off by several units, and said so; a thick one of a white is not.
   ASSERT_EQ(run("mix kimera 'red: 1 + white: 1' --thickness 0.2"), 0);
   EXPECT_NE(said.find("two fluxes may be off by a Delta E of"), std::string::npos) << said;

@@ -113,12 +113,22 @@ void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
   const pigment::Palette& palette = fit.palette();
   const std::vector<double> volumes = fit.specific_volumes();
   const std::vector<pigment::MeanCosine> cosines = fit.mean_cosines();
+  const std::vector<pigment::UnknownPaint> unknown_paints = fit.unknown_paints();
   fmt::print("\n{:<24} {:>8} {:>10} {:>10} {:>10}{}  only K/S is known at (nm)\n", "paint", "volume",
              "error of K", "error of S", "of K/S", cosines.empty() ? "" : fmt::format(" {:>12}", "g"));
   for (std::size_t p = 0; p < palette.pigments.size(); ++p) {
     const pigment::Pigment& one = palette.pigments[p];
     const std::vector<double>& ratio = fit.ratio_error()[p];
     std::vector<bool> hidden(palette.nm.size());
+    const auto unknown = std::find_if(unknown_paints.begin(), unknown_paints.end(),
+                                      [&](const pigment::UnknownPaint& u) { return u.name == one.name; });
+    if (unknown != unknown_paints.end() && !unknown->ratio_is_known) {
+      // Errors about a guess would exclude other solutions that the data allow.
+      fmt::print("{:<24} {:>8} unknown: one film over one card, or over cards that are alike\n", one.name,
+                 "");
+      out["pigments"][p]["fit"] = {{"method", "joint"}, {"unknown", true}};
+      continue;
+    }
     for (std::size_t l = 0; l < palette.nm.size(); ++l)
       hidden[l] = one.s_error[l] > kKnown * one.s[l] && ratio[l] <= kKnown;
     fmt::print("{:<24} {:>8.2f} {:>8.1f} % {:>8.1f} % {:>8.1f} %{}  {}\n", one.name, volumes[p],

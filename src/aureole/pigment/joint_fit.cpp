@@ -78,28 +78,37 @@ double JointFit::cost() const { return system_->cost_; }
 int JointFit::iterations() const { return system_->iterations_; }
 bool JointFit::converged() const { return system_->converged_; }
 
-std::vector<std::string> JointFit::scattering_unknown() const {
+std::vector<UnknownPaint> JointFit::unknown_paints() const {
   const JointSystem& s = *system_;
   const std::vector<std::string> alike = over_equal_cards();
-  std::vector<bool> is_told(s.names_.size());
+  /// Measurements of a paint alone: films by thickness and card, each with another dependence on K and S.
+  struct Evidence {
+    bool is_told = false, has_opaque = false;
+    std::set<std::pair<double, std::string>> films;
+  };
+  std::vector<Evidence> all(s.names_.size());
   for (const JointSystem::Specimen& specimen : s.specimens_) {
-    std::set<std::string> cards;
-    bool is_free = false;
-    for (const std::size_t r : specimen.rows) {
-      const JointSystem::Row& row = s.rows_[r];
-      is_free = is_free || row.kind == JointSystem::Row::Kind::free_reflectance ||
-                row.kind == JointSystem::Row::Kind::free_transmittance;
-      if (row.kind == JointSystem::Row::Kind::over) cards.insert(s.table_.samples[row.sample].backing);
+    const bool has_equal_cards = std::find(alike.begin(), alike.end(), specimen.name) != alike.end();
+    for (const JointSystem::Part& part : specimen.parts) {
+      Evidence& paint = all[std::size_t(part.paint)];
+      if (specimen.parts.size() > 1) paint.is_told = true;
+      for (const std::size_t r : specimen.rows) {
+        const JointSystem::Row& row = s.rows_[r];
+        const Sample& sample = s.table_.samples[row.sample];
+        if (row.kind == JointSystem::Row::Kind::opaque)
+          paint.has_opaque = true;
+        else if (row.kind == JointSystem::Row::Kind::over)
+          paint.films.emplace(s.metric_ ? sample.thickness : 0, has_equal_cards ? "" : sample.backing);
+        else
+          paint.is_told = true;
+      }
     }
-    const bool has_two_cards =
-        cards.size() > 1 && std::find(alike.begin(), alike.end(), specimen.name) == alike.end();
-    if (specimen.parts.size() > 1 || is_free || has_two_cards || (s.metric_ && !cards.empty()))
-      for (const JointSystem::Part& part : specimen.parts) is_told[std::size_t(part.paint)] = true;
   }
-  std::vector<std::string> names;
-  for (std::size_t p = 0; p < is_told.size(); ++p)
-    if (!is_told[p]) names.push_back(s.names_[p]);
-  return names;
+  std::vector<UnknownPaint> unknown;
+  for (std::size_t p = 0; p < all.size(); ++p)
+    if (!all[p].is_told && all[p].films.size() + (all[p].has_opaque ? 1 : 0) < 2)
+      unknown.push_back({s.names_[p], all[p].has_opaque});
+  return unknown;
 }
 
 double joint_fit_seconds(const SampleTable& table, const JointSettings& settings) {
@@ -150,6 +159,9 @@ ColumnMatrix border_covariance(JointSystem& s) {
 
 }  // namespace
 
+/// Relative error of a number of which nothing is known: no interval excludes anything.
+constexpr double kUnknownError = 1e3;
+
 void JointFit::with_errors() {
   JointSystem& s = *system_;
   factorise(s);
@@ -168,6 +180,15 @@ void JointFit::with_errors() {
       pigment.k_error[l] = pigment.k[l] * std::sqrt(kk);
       pigment.s_error[l] = pigment.s[l] * std::sqrt(ss);
       ratio_error_[std::size_t(p)][l] = std::sqrt(std::max(0.0, kk + ss - 2 * ks));
+    }
+  }
+  for (const UnknownPaint& paint : unknown_paints()) {
+    if (paint.ratio_is_known) continue;
+    const std::size_t p = *palette_.find(paint.name);
+    Pigment& pigment = palette_.pigments[p];
+    for (std::size_t l = 0; l < s.wavelengths_; ++l) {
+      pigment.k_error[l] = kUnknownError * pigment.k[l], pigment.s_error[l] = kUnknownError * pigment.s[l];
+      ratio_error_[p][l] = kUnknownError;
     }
   }
 }
@@ -286,11 +307,14 @@ std::vector<std::string> joint_notes(const JointFit& fit) {
   for (const std::string& card : fit.unknown_cards())
     notes.push_back("no line without paints is called \"" + card +
                     "\": the reflectance of this card is an unknown");
-  for (const std::string& name : fit.scattering_unknown())
+  for (const UnknownPaint& paint : fit.unknown_paints())
     notes.push_back(
-        "the paint \"" + name +
-        "\" was measured alone and over one card: only K/S is known; missing is a tint with a white, or "
-        "the film over a second card");
+        "the paint \"" + paint.name +
+        (paint.ratio_is_known
+             ? "\" was measured alone and opaque: only K/S is known; missing is a tint with a white, or a film"
+             : "\" was measured as one film over one card, or over cards that are alike: neither K nor S nor K/S is "
+               "known, and the numbers are guesses; missing is the film over a card that differs, an opaque layer, "
+               "or a tint with a white"));
   if (!fit.converged())
     notes.push_back("the fit did not converge in " + std::to_string(fit.iterations()) +
                     " steps; its numbers are those of the last one");

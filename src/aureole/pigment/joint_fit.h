@@ -67,6 +67,12 @@ struct MeanCosine {
   double g = 0, error = 0;
 };
 
+/// A paint of which a table tells too little.
+struct UnknownPaint {
+  std::string name;
+  bool ratio_is_known = false;  ///< K/S is known, of an opaque layer
+};
+
 /// A predicted specimen.
 struct JointPrediction {
   std::vector<double> values;  ///< at the table's wavelengths
@@ -104,9 +110,9 @@ public:
   /// Names of the specimens over two or more cards that reflect nearly the same, so that they tell nothing of
   /// transmission.
   std::vector<std::string> over_equal_cards() const;
-  /// Names of the paints of which no mixture, no free film and no film over two different cards was measured, and no
-  /// thickness is stated: their K and S are not known apart.
-  std::vector<std::string> scattering_unknown() const;
+  /// Paints whose K and S are not known apart: no mixture and no free film of them was measured, and no two of: an opaque
+  /// layer, films over cards that differ, films of stated thicknesses that differ.
+  std::vector<UnknownPaint> unknown_paints() const;
   double cost() const;
   int iterations() const;
   /// Whether the last step made the sum of squares smaller by less than one part in 10^5. Otherwise the number of
