@@ -456,6 +456,17 @@ TEST_F(PigmentCli, EachFileHasItsOwnGeometry) {
     head += " nm" + mix["wavelengths_nm"][i].dump(), row += " " + mix["reflectance"][i].dump();
   const std::string text =
       "\nBEGIN_DATA_FORMAT\nSAMPLE_NAME" + head + "\nEND_DATA_FORMAT\nBEGIN_DATA\n" + row + "\nEND_DATA\n";
+  for (const auto& [name, component] :
+       {std::pair{"d/8:i", "included"}, {"d/8:e", "excluded"}, {"8/d:i", "included"}}) {
+    write("short.cgats", std::string("MEASUREMENT_GEOMETRY \"") + name + "\"" + text);
+    run("fit short.cgats");
+    EXPECT_NE(said.find(std::string("at the geometry d8, specular ") + component), std::string::npos)
+        << name << said;
+  }
+  write("mixed.csv", "sample,paints,400,700\na,white,80,90\nb,red,0.05,0.6\n");
+  run("fit mixed.csv");
+  EXPECT_NE(said.find("1 row has no value above 1.5 per cent, the first \"b\" of line 3"), std::string::npos)
+      << said;
   write("sphere.cgats", "MEASUREMENT_GEOMETRY \"d/8 SCI\"" + text);
   ASSERT_EQ(run("match kimera sphere.cgats#wanted --json m.json"), 0) << said;
   EXPECT_NE(said.find("recipes are predicted with this interface instead of the palette's"),

@@ -615,8 +615,19 @@ SampleTable read_samples(std::istream& stream, Recipes recipes) {
     }
   }
   if (largest > 1.5) {
-    for (const std::size_t s : without_unit)
-      for (double& v : table.samples[s].values) v *= 0.01;
+    std::size_t small = 0;
+    std::string first;
+    for (const std::size_t s : without_unit) {
+      Sample& sample = table.samples[s];
+      const bool is_small =
+          std::all_of(sample.values.begin(), sample.values.end(), [](double v) { return !(v > 1.5); });
+      if (is_small && small++ == 0) first = "\"" + sample.name + "\" of line " + std::to_string(sample.line);
+      for (double& v : sample.values) v *= 0.01;
+    }
+    if (small > 0)
+      notes.push_back(std::to_string(small) + (small == 1 ? " row has" : " rows have") +
+                      " no value above 1.5 per cent, the first " + first +
+                      ": if these are fractions, a column \"unit\" must say which is which");
     notes.push_back("values up to " + number_text(largest) +
                     " have no unit and are taken for per cent; a column \"unit\" with percent says so");
   }
@@ -637,9 +648,9 @@ Instrument instrument_called(const std::string& text) {
     result.geometry = "45_0";
   else if (has({"d8", "di8", "de8", "8d", "8di", "8de", "d0", "0d", "sphere"}))
     result.geometry = "d8";
-  if (has({"excluded", "sce", "spex", "de8", "8de"}))
+  if (has({"excluded", "sce", "spex", "de8", "8de", "d8e"}))
     result.specular = "excluded";
-  else if (has({"included", "sci", "spin", "di8", "8di"}))
+  else if (has({"included", "sci", "spin", "di8", "8di", "d8i"}))
     result.specular = "included";
   if (result.geometry == "45_0")
     result.specular = "excluded";  // light of 45 degrees never reaches it by the gloss
