@@ -235,6 +235,7 @@ def equal_error(make, voxel, shade):
 def plot_steps(make, voxel, file):
     """Draws the error of each discrete form by its step, for the unshaded picture."""
     import matplotlib
+    import matplotlib.ticker
 
     matplotlib.use("agg")
     import matplotlib.pyplot as plt
@@ -260,6 +261,7 @@ def plot_steps(make, voxel, file):
     left.set_ylabel("mean absolute error [% of the mean]")
     for axis in (left, right):
         axis.grid(alpha=0.3), axis.legend(fontsize=8)
+    right.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     figure.tight_layout()
     figure.savefig(file, dpi=110)
 

@@ -46,11 +46,10 @@ VolumeResult VolumeMarch::composite_one(float length) {
         ++s.lookups;
         sample = function ? function->at(value) : classification.at(at(middle), value);
       }
-      // A step without extinction adds nothing; leaving it out would be a branch that processors predict badly.
+      if (!(sample.extinction > 0)) return false;
       const float step = sample.extinction * (b - a), opacity = opacity_of(step),
                   part_of_light = opacity * s.transmittance;
       if (is_lit) {
-        if (!(step > 0)) return false;
         result.radiance += color_at(medium, at(middle), sample) * part_of_light;
       } else {
         s.light.white += part_of_light * sample.color.white, s.light.red += part_of_light * sample.color.red;

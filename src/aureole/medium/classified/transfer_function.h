@@ -91,11 +91,7 @@ private:
   std::size_t interval(float value) const {
     const float at = (value - first_) * scale_;
     std::size_t i = at > 0 ? starts_[at < float(kBuckets - 1) ? std::size_t(at) : kBuckets - 1] : 0;
-    // Two increments without branches, which processors predict badly; few buckets have more nodes.
-    const std::size_t last = nodes_.size() - 2;
-    i += std::size_t(i < last) & std::size_t(nodes_[i + 1].value <= value);
-    i += std::size_t(i < last) & std::size_t(nodes_[i + 1].value <= value);
-    while (i < last && nodes_[i + 1].value <= value) ++i;
+    while (i + 2 < nodes_.size() && nodes_[i + 1].value <= value) ++i;
     return i;
   }
   struct Integral {
