@@ -641,7 +641,9 @@ class Palette:
     @staticmethod
     def load(file: Union[str, "os.PathLike[str]"]) -> "Palette":
         """A palette as `aureole pigment fit` writes it; "kimera": 13 measured acrylics, by miciwan, CC BY 4.0."""
-        return Palette._of(_aureole.pigment_palette(os.fspath(file)))
+        parts, note = _aureole.pigment_palette(os.fspath(file))
+        _note(file, [note] if note else [])
+        return Palette._of(parts)
 
     def _parts(self) -> Any:
         return (self.nm.tolist(), list(self.names), self.k.tolist(), self.s.tolist(), [], [], self.relative, tuple(self.surface),
@@ -856,7 +858,7 @@ class JointFit(NamedTuple):
 
 def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, None] = None, index: float = 1.5,
               g: float = 0.8, g_error: float = 0, geometry: Union[str, None] = None, specular: Union[str, None] = None,
-              noise: float = 0.01, thickness_error: float = 0.15, amount_error: float = 0.1,
+              noise: float = 0.01, relative_noise: float = 0.05, thickness_error: float = 0.15, amount_error: float = 0.1,
               hold_out: Union[str, int, Sequence[str], None] = None) -> JointFit:
     """K and S of all paints of a table from all measurements at once, as `aureole pigment fit --joint` (docs/pigments.md).
 
@@ -867,13 +869,15 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     theory : str
         "two-flux", or "streams" with the mean cosine `g`. Both in a binder of `index`, seen by an instrument of `geometry`
         ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"); two fluxes also through any `surface`.
-        K and S of streams are 2 sigma_a and 3/4 sigma_s (1 - g). Where neither `geometry` nor `surface` is given, the geometry
+        K and S of streams are 2 sigma_a and 3/4 sigma_s (1 - g); a warning says that mixtures, matches and hiding power, which
+        use two fluxes, are worse with them. Where neither `geometry` nor `surface` is given, the geometry
         that the file states (CxF, CGATS) is taken, with a warning; without one, two fluxes have no interface and streams are
         those of d8, gloss excluded.
     g_error : float
         Relative error of 1 - g of each paint, which is then an unknown; with 0 `g` holds for all paints.
-    noise : float
-        Error of a reflectance R, beside 5 % of R.
+    noise, relative_noise : float
+        Error of a reflectance R, the theory's own error included: `noise` and `relative_noise` times R, added in squares.
+        Repeats of a specimen over one card add their own standard deviation.
     thickness_error, amount_error : float
         Relative errors of a film's thickness that is not stated, and of the amounts in mixtures.
     hold_out : str, int or sequence of str, optional
@@ -897,7 +901,7 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
         parts, ratios, cosines, specimens, held, notes = _aureole.pigment_joint_fit(
             tables, None if surface is None else (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
             scalar("g", g, minimum=-0.95, maximum=0.95), scalar("g_error", g_error, minimum=0, maximum=3), geometry or "", specular or "",
-            scalar("noise", noise, minimum=1e-5, maximum=0.2),
+            scalar("noise", noise, minimum=1e-5, maximum=0.2), scalar("relative_noise", relative_noise, minimum=0, maximum=1),
             scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),
             words)
     _note(", ".join(files), notes)

@@ -283,12 +283,13 @@ std::tuple<PaletteParts, Table, std::vector<std::pair<double, double>>, std::vec
            std::vector<HeldOutParts>, Names>
 joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, bool streams, double index,
           double g, double g_error, std::string geometry, std::string specular, double noise,
-          double thickness, double amount, const Names& hold_out) {
+          double relative_noise, double thickness, double amount, const Names& hold_out) {
   const Unlocked release;
   const pigment::SampleTable table = read_sample_files(files);
   return located_in(files.front(), table, [&] {
     pigment::JointSettings settings;
-    settings.noise = noise, settings.thickness = thickness, settings.dose = amount, settings.g = g_error;
+    settings.noise = noise, settings.noise_relative = relative_noise;
+    settings.thickness = thickness, settings.dose = amount, settings.g = g_error;
     Names notes = table.notes;
     const pigment::Instrument& by = table.instrument;
     const bool states = !by.geometry.empty(), takes_geometry = states && geometry.empty() && !surface;
@@ -338,6 +339,7 @@ joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, bool
     std::vector<std::pair<double, double>> cosines;
     for (const pigment::MeanCosine& c : fit.mean_cosines()) cosines.emplace_back(c.g, c.error);
     for (const std::string& note : pigment::joint_notes(fit)) notes.push_back(note);
+    if (const std::string note = pigment::theory_note(palette); !note.empty()) notes.push_back(note);
     return std::tuple(parts_of(palette), fit.ratio_error(), cosines, specimens, held, notes);
   });
 }
@@ -493,11 +495,15 @@ void bind_pigment(nb::module_& m) {
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
   m.def("pigment_fit", &fit, arg("files"), arg("white"), arg("surface").none());
   m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface").none(), arg("streams"), arg("index"),
-        arg("g"), arg("g_error"), arg("geometry"), arg("specular"), arg("noise"), arg("thickness"),
-        arg("amount"), arg("hold_out"));
+        arg("g"), arg("g_error"), arg("geometry"), arg("specular"), arg("noise"), arg("relative_noise"),
+        arg("thickness"), arg("amount"), arg("hold_out"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
   m.def(
-      "pigment_palette", [](const std::string& file) { return parts_of(read_palette_file(file)); },
+      "pigment_palette",
+      [](const std::string& file) {
+        const pigment::Palette palette = read_palette_file(file);
+        return std::tuple(parts_of(palette), pigment::theory_note(palette));
+      },
       arg("file"));
   m.def(
       "pigment_recipe",

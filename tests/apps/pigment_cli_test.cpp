@@ -567,7 +567,7 @@ TEST_F(PigmentCli, TablesAsLaboratoriesKeepThem) {
   ASSERT_EQ(run("fit film.csv --json fit.json"), 0) << said;
   EXPECT_EQ(json("fit.json")["pigments"][0]["fit"]["method"], "free film");
   EXPECT_NEAR(json("fit.json")["pigments"][0]["s"][1], 1e5, 100);
-  EXPECT_NE(said.find("the column \"Lot\" is not used"), std::string::npos) << said;
+  EXPECT_NE(said.find("the columns \"Lot\", \"Tester\" are not used"), std::string::npos) << said;
   write("misspelt.csv", "samplle,paints,400,500\na,white,0.8,0.8\n");
   fails("fit misspelt.csv", "misspelt.csv:1:1: unknown column \"samplle\"");
 
@@ -842,6 +842,221 @@ TEST_F(PigmentCli, WhatAJointFitNotes) {
   ASSERT_EQ(run("fit latin.csv --white wei\xC3\x9F --noise 0.02"), 0) << said;
   EXPECT_NE(said.find("is taken for Windows-1252"), std::string::npos) << said;
   EXPECT_NE(said.find("--noise: has no effect without --joint"), std::string::npos) << said;
+}
+
+constexpr const char* kTints =
+    "sample,paints,backing,400,550,700\na,white,0.1,0.8,0.8,0.8\nb,white,0.8,0.9,0.9,0.9\nc,red,0.1,0.1,0.1,0.7\n"
+    "d,red,0.8,0.1,0.12,0.8\ne,white: 9 + red: 1,0.8,0.5,0.6,0.8\nf,white: 1 + red: 1,0.8,0.2,0.3,0.75\n";
+
+TEST_F(PigmentCli, AStreamsPaletteSaysSo) {
+  write("t.csv", kTints);
+  ASSERT_EQ(run("fit t.csv --joint --theory streams -o streams.csv --json s.json"), 0) << said;
+  ASSERT_EQ(run("fit t.csv --joint -o two.csv --json t.json"), 0) << said;
+  EXPECT_EQ(json("s.json")["theory"], "streams");
+  EXPECT_EQ(json("t.json")["theory"], "two fluxes");
+  const std::string note =
+      "note: streams.csv: K and S were fitted by streams; two fluxes, which are used here";
+  for (const char* command : {"mix streams.csv white", "match streams.csv 'lab(60,20,10)'",
+                              "hide streams.csv white --thickness 1"}) {
+    ASSERT_EQ(run(command), 0) << said;
+    EXPECT_NE(said.find(note), std::string::npos) << command << "\n" << said;
+    ASSERT_EQ(run(replaced(command, "streams.csv", "two.csv")), 0) << said;
+    EXPECT_EQ(said.find("fitted by streams"), std::string::npos) << command << "\n" << said;
+  }
+  write("wrong.csv", "unit,film\ntheory,three fluxes\nnm,a K,a S\n400,0.1,1\n700,0.1,1\n");
+  fails("mix wrong.csv a", "wrong.csv:2:8: theory must be \"two fluxes\" or streams, got \"three fluxes\"");
+}
+
+TEST_F(PigmentCli, LayersStateWhatTheyLieOn) {
+  write("t.csv",
+        "sample,paints,backing,400,700\nBlack,,,0.05,0.05\na,ochre,black,0.2,0.3\nb,ochre,,0.3,0.4\n"
+        "c,umber,,0.1,0.1\n");
+  ASSERT_EQ(run("fit t.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("the backing \"black\" is taken for the card \"Black\", whose name differs in case"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find("\"b\" of line 4 has no backing, which other measurements of this paint or specimen "
+                      "state, and is taken for opaque"),
+            std::string::npos)
+      << said;
+  // Other formats, too, state a backing beside a thickness.
+  write("t.json", R"({"wavelengths_nm": [400, 700], "samples": [
+    {"paints": "ochre", "thickness_um": 20, "values": [0.3, 0.4]}]})");
+  fails("fit t.json", "t.json: samples[0]: \"ochre\" has a thickness and no backing; right would be opaque");
+  write("t.cgats",
+        "BEGIN_DATA_FORMAT\nSAMPLE_NAME THICKNESS_UM nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\n"
+        "ochre 20 .3 .4\nEND_DATA\n");
+  fails("fit t.cgats", "t.cgats:5: \"ochre\" has a thickness and no backing");
+}
+
+TEST_F(PigmentCli, CardsThatSeemSwapped) {
+  const std::string head =
+      "sample,paints,backing,thickness_um,400,550,700\nblack,,,,0.05,0.05,0.05\nwhite,,,,0.8,0.8,0.8\n";
+  write("s.csv", head + "a,ochre,black,20,0.4,0.5,0.6\nb,ochre,white,20,0.3,0.4,0.5\n");
+  const std::string question = "are the cards swapped?";
+  fails("fit s.csv",
+        "the film is darker over the brighter card: are the cards swapped? If not, a fit of all "
+        "measurements (--joint)");
+  ASSERT_EQ(run("fit s.csv --joint"), 0) << said;
+  EXPECT_NE(
+      said.find("\"a\" is darker over the brighter card \"white\" than over \"black\", by more than the "
+                "noise at 3 of 3 wavelengths: are the cards swapped?"),
+      std::string::npos)
+      << said;
+  // Noise of a film that hides asks nothing.
+  write("n.csv", head + "a,ochre,black,20,0.405,0.505,0.6\nb,ochre,white,20,0.4,0.5,0.605\n");
+  ASSERT_EQ(run("fit n.csv --joint"), 0) << said;
+  EXPECT_EQ(said.find(question), std::string::npos) << said;
+}
+
+TEST_F(PigmentCli, DoubtOfTwoFluxesIsSaidWhereTheyAreUsed) {
+  write(
+      "ink.csv",
+      "sample,paints,backing,thickness_um,400,550,700\na,ink,0,1,0.02,0.02,0.02\nb,ink,0.8,1,0.3,0.1,0.6\n");
+  const std::string doubt = "two fluxes may be off by a Delta E of";
+  ASSERT_EQ(run("fit ink.csv -o ink_paint.csv"), 0) << said;
+  EXPECT_NE(said.find(doubt + " up to"), std::string::npos) << said;
+  EXPECT_NE(said.find("for the measured films of ink"), std::string::npos) << said;
+  ASSERT_EQ(run("match ink_paint.csv 'lab(60,20,10)' --thickness 1um --substrate 0.8 -n 1"), 0) << said;
+  EXPECT_NE(said.find("for the first recipe"), std::string::npos) << said;
+  ASSERT_EQ(run("match ink_paint.csv 'lab(60,20,10)' -n 1"), 0) << said;
+  EXPECT_EQ(said.find(doubt), std::string::npos) << said;
+  ASSERT_EQ(run("hide kimera 'red: 1 + white: 1' --thickness 0.2"), 0) << said;
+  EXPECT_NE(said.find("for this layer over 0"), std::string::npos) << said;
+  // Films of a white that hide.
+  write("white.csv",
+        "sample,paints,backing,thickness_um,400,550,700\na,white,0,500,0.95,0.95,0.95\n"
+        "b,white,0.9,500,0.9501,0.9501,0.9501\n");
+  ASSERT_EQ(run("fit white.csv"), 0) << said;
+  EXPECT_EQ(said.find(doubt), std::string::npos) << said;
+}
+
+TEST_F(PigmentCli, GeometriesOfCxf) {
+  const auto with = [&](const std::string& more) {
+    return replaced(kCxf, "<cc:MeasurementSpec>", "<cc:MeasurementSpec>" + more);
+  };
+  const auto choice = [&](const std::string& geometry) {
+    return with("<cc:GeometryChoice>" + geometry + "</cc:GeometryChoice>");
+  };
+  for (const auto& [geometry, specular] :
+       {std::pair{"<cc:SphereGeometry><cc:SphereGeometryConfiguration>Specular_Included"
+                  "</cc:SphereGeometryConfiguration></cc:SphereGeometry>",
+                  "included"},
+        {"<cc:SphereGeometry>Specular_Excluded</cc:SphereGeometry>", "excluded"},
+        {"<cc:SphericalGeometry><cc:SpecularExclusion>false</cc:SpecularExclusion></cc:SphericalGeometry>",
+         "included"},
+        {"<cc:SphericalGeometry><cc:SpecularExclusion>true</cc:SpecularExclusion></cc:SphericalGeometry>",
+         "excluded"}}) {
+    write("a.cxf", choice(geometry));
+    ASSERT_EQ(run("fit a.cxf"), 0) << said;
+    EXPECT_NE(said.find(std::string("at the geometry d8, specular ") + specular), std::string::npos)
+        << geometry << said;
+    EXPECT_EQ(said.find("GeometryChoice"), std::string::npos) << said;
+  }
+  write("a.cxf", choice("<cc:OtherGeometry>Target</cc:OtherGeometry>"));
+  ASSERT_EQ(run("fit a.cxf"), 0) << said;
+  EXPECT_NE(said.find("GeometryChoice has the element OtherGeometry, which is not known"), std::string::npos)
+      << said;
+  write("a.cxf", with("<cc:Aperture>8mm</cc:Aperture>"));
+  write("b.cxf", with("<cc:Aperture>25mm</cc:Aperture>"));
+  ASSERT_EQ(run("fit a.cxf b.cxf --joint"), 0) << said;
+  EXPECT_NE(said.find("b.cxf: the aperture is 25mm, that of a.cxf 8mm"), std::string::npos) << said;
+}
+
+TEST_F(PigmentCli, TablesOfPricesAndLampsAsOfficesWriteThem) {
+  const std::string command =
+      "match kimera 'lab(60,25,20)' --only white --only red --json m.json --prices prices.csv";
+  write("prices.csv", "paint,price\nwhite,2.5\nred,20\n");
+  ASSERT_EQ(run(command), 0) << said;
+  const auto expected = solutions("m.json");
+  for (const char* text : {"paint;price (EUR/kg)\nwhite;2,5\nred;20,0\n",
+                           "Paint\tPrice [$/kg]\nwhite\t2,5\nred\t20\n", "white;2.5\nred;20\n"}) {
+    write("prices.csv", text);
+    ASSERT_EQ(run(command), 0) << text << said;
+    EXPECT_EQ(solutions("m.json"), expected) << text;
+  }
+  write("prices.csv", "paint;price (EUR/kg)\nwhite;2,5\nred;dear\n");
+  fails(command, "prices.csv:3:5: expected a price per mass, not negative, got \"dear\"");
+
+  ASSERT_EQ(run("mix kimera red --illuminant E --json m.json"), 0) << said;
+  const auto lab = json("m.json")["lab"];
+  for (const char* text :
+       {"wavelength (nm);power (mW/nm)\n360;2,0\n830;2,0\n", "nm\tpower\n360\t2,0\n830\t2,0\n",
+        "wavelength (um),power\n0.36,2\n0.83,2\n", "360 2,0 # a flat lamp\n830 2,0\n"}) {
+    write("lamp.txt", text);
+    ASSERT_EQ(run("mix kimera red --illuminant lamp.txt --json m.json"), 0) << text << said;
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(json("m.json")["lab"][i].get<double>(), lab[i].get<double>(), 1e-9) << text;
+  }
+  write("lamp.txt", "nm;power\n360;2\n830;x\n");
+  fails("mix kimera red --illuminant lamp.txt", "lamp.txt:3:5: expected a number, got \"x\"");
+  write("lamp.txt", "nm;power\n360;2\n500;-2\n830;2\n");
+  fails("mix kimera red --illuminant lamp.txt", "lamp.txt:3:5: the power at 500 nm is negative: -2");
+  write("lamp.txt", "nm;power\n360;2\n360;3\n830;2\n");
+  fails("mix kimera red --illuminant lamp.txt", "lamp.txt: the wavelength 360 nm comes twice");
+}
+
+TEST_F(PigmentCli, NotesAreFewAndRight) {
+  write("t.csv", "lot,who,paints,400,700\n1,x,white,0.8,0.9\n");
+  ASSERT_EQ(run("fit t.csv"), 0) << said;
+  EXPECT_NE(said.find("note: t.csv: the columns \"lot\", \"who\" are not used"), std::string::npos) << said;
+  write("book.csv", "PK\x03\x04 a workbook");
+  fails("fit book.csv",
+        "book.csv: is a spreadsheet (.xlsx, .ods, .xls), which aureole.pigment in Python reads");
+  ASSERT_EQ(run("mix kimera '10% red + 90 % white' --json m.json"), 0) << said;
+  EXPECT_NEAR(json("m.json")["recipe"]["red"], 0.1, 1e-12);
+  fails("mix kimera '10% red + 80% white'", "must sum to 100");
+  // Films that hide: their contrast ratio exceeds 1 by noise in one of two, and the third is swapped, and a fourth.
+  std::string head = "sample,specimen,paints,backing", black = "\nblack,,,", white = "\nwhite,,,";
+  const auto row = [](const std::string& start, const char* value) {
+    std::string text = start;
+    for (int l = 400; l <= 700; l += 20) text += std::string(",") + value;
+    return text;
+  };
+  for (int l = 400; l <= 700; l += 20) head += "," + std::to_string(l);
+  const std::string cards = head + row(black, "0.05") + row(white, "0.8");
+  const std::string hiding = row("\na,1,ochre,black", "0.402") + row("\nb,1,ochre,white", "0.4");
+  write("hiding.csv", cards + hiding + "\n");
+  ASSERT_EQ(run("colour hiding.csv"), 0) << said;
+  EXPECT_EQ(said.find("contrast ratio of"), std::string::npos) << said;
+  write("swapped.csv", cards + hiding + row("\nc,2,red,black", "0.5") + row("\nd,2,red,white", "0.4") +
+                           row("\ne,3,blue,black", "0.3") + row("\nf,3,blue,white", "0.28") + "\n");
+  ASSERT_EQ(run("colour swapped.csv"), 0) << said;
+  const auto at = said.find("\"c\" and 1 more layers: a contrast ratio of up to 1.2500 is above 1");
+  EXPECT_NE(at, std::string::npos) << said;
+  EXPECT_EQ(said.find("contrast ratio of", at + 40), std::string::npos) << said;
+  // Colours as measured are those of the sphere, gloss included: a grey of 0.5 has a Y of 50.
+  std::string nm, values;
+  for (int l = 400; l <= 700; l += 20) nm += " nm" + std::to_string(l), values += " 0.5";
+  write("sci.cgats", "MEASUREMENT_GEOMETRY \"d/8 SCI\"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME" + nm +
+                         "\nEND_DATA_FORMAT\nBEGIN_DATA\ngrey" + values + "\nEND_DATA\n");
+  ASSERT_EQ(run("colour sci.cgats --json c.json"), 0) << said;
+  EXPECT_NEAR(json("c.json")["samples"][0]["xyz"][1], 50, 1e-6);
+  EXPECT_EQ(said.find("is taken off"), std::string::npos) << said;
+  EXPECT_NE(said.find("colours as measured; interface for K/S: smooth, d8"), std::string::npos) << said;
+}
+
+TEST_F(PigmentCli, ResidualsBesideTheStatedNoise) {
+  // 20 repeats of opaque greys whose errors alternate by 0.004: the rms about their mean is 0.004.
+  std::string table = "sample,paints,400,500,600,700\n";
+  for (int i = 0; i < 20; ++i)
+    table += i % 2 ? "a,white,0.804,0.804,0.804,0.804\n" : "a,white,0.796,0.796,0.796,0.796\n";
+  write("t.csv", table);
+  ASSERT_EQ(run("fit t.csv --joint --theory two-flux --noise 0.05 --relative-noise 0 --json j.json"), 0)
+      << said;
+  // The scatter of repeats is added to the stated noise in squares.
+  EXPECT_NEAR(json("j.json")["residuals"]["relative_to_noise"], 0.004 / std::hypot(0.05, 0.0041), 0.003);
+  EXPECT_NE(said.find("of the stated noise (0.05 and 0 % of R, in squares)"), std::string::npos) << said;
+  EXPECT_NE(said.find("Errors of K and S are too wide by about a factor of 12"), std::string::npos) << said;
+  ASSERT_EQ(run("fit t.csv --joint --theory two-flux --noise 0.0001 --relative-noise 0 --json j.json"), 0)
+      << said;
+  EXPECT_NEAR(json("j.json")["residuals"]["relative_to_noise"], 1, 0.1);
+  EXPECT_EQ(said.find("Errors of K and S are too"), std::string::npos) << said;
+  ASSERT_EQ(run("fit t.csv --relative-noise 0.01"), 0) << said;
+  EXPECT_NE(said.find("--relative-noise: has no effect without --joint"), std::string::npos) << said;
+  write("two.csv", "sample,paints,backing,400,700\na,white,0.1,0.8,0.8\nb,white,0.8,0.9,0.9\n");
+  ASSERT_EQ(run("fit two.csv --joint"), 0) << said;
+  EXPECT_NE(said.find("residuals do not tell whether the stated noise"), std::string::npos) << said;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/image.h"
@@ -180,6 +181,25 @@ TEST(PaintBsdf, WrongParametersAreLocated) {
   says(
       "<string name=\"palette\" value=\"two_paints.csv\"/><string name=\"recipe\" value=\"white\"/><float name=\"thickness\" value=\"2\"/>",
       "unit");
+}
+
+TEST(PaintBsdf, NotesAPaletteByStreams) {
+  const test::TemporaryFolder folder;
+  const auto notes_of = [&](const std::string& theory) {
+    const std::string file = (folder.path / "palette.csv").string();
+    std::ofstream(file) << "unit,film\n" << theory << "nm,a K,a S\n300,0.1,1\n900,0.1,1\n";
+    Diagnostics diagnostics;
+    build<Bsdf>("<bsdf type=\"paint\"><string name=\"palette\" value=\"" + file +
+                    "\"/><string name=\"recipe\" value=\"a\"/></bsdf>",
+                make_context(540, 560, &diagnostics));
+    std::string text;
+    for (const std::string& note : diagnostics.notes()) text += note;
+    return text;
+  };
+  EXPECT_NE(notes_of("theory,streams\n").find("K and S were fitted by streams; two fluxes"),
+            std::string::npos);
+  EXPECT_EQ(notes_of("theory,two fluxes\n").find("streams"), std::string::npos);
+  EXPECT_EQ(notes_of("").find("streams"), std::string::npos);
 }
 
 }  // namespace

@@ -351,6 +351,21 @@ def test_joint_fit(tmp_path):
             pigment.joint_fit(tmp_path / "films.csv", **wrong)
 
 
+def test_joint_fits_state_noise_and_theory(tmp_path):
+    _films(tmp_path / "films.csv")
+    errors = [np.median(pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", noise=0.001, relative_noise=relative).palette.s_error)
+              for relative in (0, 0.2)]
+    assert errors[1] > 2 * errors[0]
+    with pytest.raises(aureole.Error, match="^relative_noise: "):
+        pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", relative_noise=-1)
+    with pytest.warns(UserWarning, match="K and S were fitted by streams"):
+        pigment.joint_fit(tmp_path / "films.csv", theory="streams")
+    palette = tmp_path / "palette.csv"
+    palette.write_text("unit,film\ntheory,streams\nnm,a K,a S\n400,0.1,1\n700,0.1,1\n")
+    with pytest.warns(UserWarning, match="palette.csv: K and S were fitted by streams"):
+        assert pigment.Palette.load(palette).names == ("a",)
+
+
 def test_a_joint_fit_takes_the_stated_geometry(tmp_path):
     table = "SAMPLE_NAME PAINTS BACKING nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\n" \
         'a white 0.1 .8 .7\nb white 0.8 .88 .85\nc "red: 1 + white: 9" 0.1 .5 .7\nd "red: 1 + white: 9" 0.8 .52 .8\nEND_DATA\n'

@@ -183,6 +183,35 @@ void print_specimens(const pigment::SampleTable& table, const pigment::JointFit&
   }
 }
 
+/// Prints how residuals compare with the stated noise, by which errors of K and S are stated as well.
+void print_residuals(const pigment::JointFit& fit, const pigment::JointSettings& settings,
+                     nlohmann::json& out) {
+  constexpr double kFar = 2;
+  const pigment::ResidualReport r = fit.residuals();
+  out["residuals"] = {{"degrees_of_freedom", r.freedom}, {"values", r.values}};
+  const std::string noise = fmt::format("the stated noise ({:g} and {:g} % of R, in squares)", settings.noise,
+                                        100 * settings.noise_relative);
+  if (r.relative == 0) {
+    fmt::print(
+        "\nThere are too few measured values beside the unknowns: residuals do not tell whether {} holds.\n",
+        noise);
+    return;
+  }
+  out["residuals"]["relative_to_noise"] = r.relative;
+  fmt::print("\nThe rms of the residuals is {:.2f} of {}; {:.0f} degrees of freedom.\n", r.relative, noise,
+             r.freedom);
+  if (r.relative < 1 / kFar)
+    fmt::print(
+        "Errors of K and S are too wide by about a factor of {:.1f} if the theory is exact: a smaller --noise and "
+        "--relative-noise say it better. Whether it is exact enough, the 90 % intervals of --hold-out tell.\n",
+        1 / r.relative);
+  else if (r.relative > kFar)
+    fmt::print(
+        "Errors of K and S are too narrow by about a factor of {:.1f}: a larger --noise and --relative-noise say it "
+        "better.\n",
+        r.relative);
+}
+
 /// Notes paints of which nothing is known but one mixture: often another paint's name misspelt.
 void note_single_uses(const std::string& file, const pigment::SampleTable& table) {
   struct Uses {
@@ -293,8 +322,16 @@ void JointOptions::declare(CommandOptions& options) {
           "mixture by itself")
       .separated_by(',');
   options.add("--black", black, "with --hold-out: name of the black paint of the shades").shows_default();
-  options.add("--noise", settings.noise, "with --joint: error of a reflectance (0 to 1) besides 5 % of it")
+  options
+      .add(
+          "--noise", settings.noise,
+          "with --joint: error of a reflectance (0 to 1) besides --relative-noise, the theory's own error included")
       .between(1e-5, 0.2)
+      .shows_default();
+  options
+      .add("--relative-noise", settings.noise_relative,
+           "with --joint: error of a reflectance as a part of it, added to --noise in squares")
+      .between(0.0, 1.0)
       .shows_default();
   options
       .add("--thickness-error", settings.thickness,
@@ -412,6 +449,7 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
           "with them than with those of --theory two-flux.\n");
     print_paints(*written.fit, out);
     print_specimens(table, *written.fit, out);
+    print_residuals(*written.fit, options.settings, out);
     if (keeps_back) print_held_out(table, candidates, plain, white, options.black, illuminant, out);
     return JointPalette{palette, written.fit->ratio_error()};
   });

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
@@ -72,6 +73,26 @@ std::map<std::string, double> contrast_ratios(const pigment::SampleTable& table,
   for (const auto& [key, p] : pairs)
     if (p.bright > p.dark && p.over_bright > 0) ratios[key] = p.over_dark / p.over_bright;
   return ratios;
+}
+
+/// Notes layers that reflect more over the darker card by more than noise, 1 % of the luminous reflectance: 0.4 of L* at 50.
+void note_high_contrast(const std::string& file, const std::vector<pigment::Panel>& samples,
+                        const std::map<std::string, double>& contrast) {
+  constexpr double kNoise = 0.01;
+  std::set<std::string> layers;
+  std::string first;
+  double largest = 0;
+  for (const pigment::Panel& m : samples) {
+    const auto at = contrast.find(m.first->paints.empty() ? "" : pigment::specimen_key(*m.first));
+    if (at == contrast.end() || at->second <= 1 + kNoise || !layers.insert(at->first).second) continue;
+    if (at->second > largest) largest = at->second, first = m.name;
+  }
+  if (layers.empty()) return;
+  tell(
+      "note: {}: \"{}\"{}: a contrast ratio of{} {:.4f} is above 1: the layer reflects more over the darker card; are the "
+      "cards swapped?\n",
+      file, first, layers.size() > 1 ? fmt::format(" and {} more layers", layers.size() - 1) : "",
+      layers.size() > 1 ? " up to" : "", largest);
 }
 
 std::string number_or_dash(const std::optional<double>& value, int digits = 2) {
@@ -141,7 +162,7 @@ Reference reference_called(const std::string& text, const std::string& option,
   for (const std::string& note : r.measured.notes) tell("note: {}: {}\n", r.file, note);
   if (!r.measured.instrument.geometry.empty()) {
     r.surface = given;
-    r.surface.take(r.measured.instrument, r.file);
+    r.surface.take(r.measured.instrument, r.file, false);
   } else if (!given.given() && samples.given()) {
     tell("note: {}: states no geometry; that of {} is taken for it\n", r.file, samples_file);
   }
@@ -178,7 +199,7 @@ int colour(ColourOptions o) {
   for (const std::string& note : table.notes) tell("note: {}: {}\n", file, note);
   located_in(file, table, [&] { return pigment::check_not_above_white(table), 0; });
   const SurfaceOptions given = o.surface;
-  o.surface.take(table.instrument, file);
+  o.surface.take(table.instrument, file, false);
   const auto to = other_surface(o);
   o.surface.note_unused();
   if (!o.to_specular.empty() && (o.to_geometry.empty() ? o.surface.geometry : o.to_geometry) == "45_0")
@@ -287,20 +308,16 @@ int colour(ColourOptions o) {
 
   const pigment::Observation lamp = observe(settings.viewing, nm);
   const std::map<std::string, double> contrast = contrast_ratios(table, samples, lamp);
-  for (const pigment::Panel& m : samples)
-    if (const auto at = contrast.find(m.first->paints.empty() ? "" : pigment::specimen_key(*m.first));
-        at != contrast.end() && at->second > 1)
-      tell(
-          "note: {}: \"{}\": a contrast ratio of {:.4f} is above 1: the layer reflects more over the darker card; are "
-          "the cards swapped?\n",
-          file, m.name, at->second);
+  note_high_contrast(file, samples, contrast);
   const auto title = [](const pigment::Panel& m) { return m.name; };
   std::size_t width = 10;
   for (const pigment::Panel& m : samples) width = std::max(width, std::min<std::size_t>(title(m).size(), 40));
 
   nlohmann::json out = {{"viewing", settings.viewing}, {"samples", nlohmann::json::array()}};
-  fmt::print("{}, observer {} degrees; interface: {}{}\n\n", viewing_of(settings.viewing).illuminant,
-             viewing_of(settings.viewing).field == pigment::Field::ten ? 10 : 2, o.surface.text(),
+  const bool is_as_measured = !to && o.surface.given() && o.surface.geometry != "none";
+  fmt::print("{}, observer {} degrees; {}{}{}\n\n", viewing_of(settings.viewing).illuminant,
+             viewing_of(settings.viewing).field == pigment::Field::ten ? 10 : 2,
+             is_as_measured ? "colours as measured; interface for K/S: " : "interface: ", o.surface.text(),
              to ? ", converted to " + (o.to_geometry.empty() ? "" : o.to_geometry + " ") +
                       (o.to_specular.empty() ? "" : "specular " + o.to_specular)
                 : "");

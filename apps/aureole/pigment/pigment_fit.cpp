@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/instrument/paint/two_flux_doubt.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
@@ -141,6 +143,7 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
   const pigment::JointSettings &set = o.joint.settings, &standard = usual.settings;
   for (const auto& [option, is_given] : {std::pair{"--theory", o.joint.theory != usual.theory},
                                          {"--noise", set.noise != standard.noise},
+                                         {"--relative-noise", set.noise_relative != standard.noise_relative},
                                          {"--amount-error", set.dose != standard.dose},
                                          {"--g", o.joint.g != usual.g},
                                          {"--g-error", set.g != standard.g},
@@ -161,6 +164,54 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
     if (name != standard_name && std::find(names.begin(), names.end(), name) == names.end())
       tell("note: {}: no paint of {} is called \"{}\"{}\n", option, o.samples, name,
            did_you_mean(name, names));
+}
+
+/// Notes the paints whose measured films are thin or dark enough for two fluxes to fail, with the largest expected colour
+/// difference. K and S that were fitted to these films make up for a part of it, and for other films they do not.
+void note_thin_films(const FitOptions& o, const pigment::SampleTable& table, pigment::Palette palette) {
+  constexpr double kDoubtful = 1, kKnown = 0.3;
+  if (palette.relative && !palette.per_film) return;  // of opaque layers
+  const pigment::Observation lamp = observe(o.light.viewing(), palette.nm);
+  pigment::clamp_negative(palette);
+  double largest = 0;
+  std::vector<std::string> names;
+  for (std::size_t p = 0; p < palette.pigments.size(); ++p) {
+    const pigment::Pigment& one = palette.pigments[p];
+    // Of guesses nothing is expected.
+    if (o.joint.joint && !one.k_error.empty() &&
+        one.s_error[one.s.size() / 2] > kKnown * one.s[one.s.size() / 2])
+      continue;
+    std::set<std::pair<double, std::string>> done;
+    double of_paint = 0;
+    for (const pigment::Sample& s : table.samples) {
+      if (s.paints.size() != 1 || s.paints[0].name != one.name || s.backing == "opaque") continue;
+      if ((!palette.relative && !(s.thickness > 0)) || !done.emplace(s.thickness, s.backing).second) continue;
+      double below = 0;
+      try {
+        for (std::size_t l = 0; s.backing != "none" && l < palette.nm.size(); ++l)
+          below += pigment::substrate_at(table, palette.surface, s, l) / double(palette.nm.size());
+      } catch (const std::domain_error&) {
+        continue;  // a card that was not measured
+      }
+      std::vector<double> fractions(palette.pigments.size());
+      fractions[p] = 1;
+      of_paint =
+          std::max(of_paint, two_flux_doubt(pigment::mix(palette, fractions), palette.nm,
+                                            palette.relative ? 1 : s.thickness, std::clamp(below, 0.0, 1.0),
+                                            palette.surface.k2 > 0 ? o.surface.index : 1, lamp));
+    }
+    if (of_paint > kDoubtful) names.push_back(one.name);
+    largest = std::max(largest, of_paint);
+  }
+  if (names.empty()) return;
+  constexpr std::size_t kShown = 3;
+  const std::size_t more = names.size() - std::min(names.size(), kShown);
+  names.resize(names.size() - more);
+  tell(
+      "note: two fluxes may be off by a Delta E of up to {:.1f} for the measured films of {}{} (CIEDE2000 from transport with "
+      "g from 0 to 0.8), as for thin, dark or forward-scattering ones; K and S make up for it at this thickness, less at "
+      "others\n",
+      largest, fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more paints", more) : "");
 }
 
 int fit(FitOptions o) {
@@ -187,6 +238,7 @@ int fit(FitOptions o) {
     fmt::print("interface: {}\n", surface.text());
     const auto [palette, ratio_error] =
         fit_jointly(o.samples, table, o.joint, surface, o.white, o.light.viewing(), out);
+    if (!palette.by_streams) note_thin_films(o, table, palette);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
     if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
     write_plots(o, palette, observe(o.light.viewing(), palette.nm), ratio_error);
@@ -196,6 +248,7 @@ int fit(FitOptions o) {
   if (!o.joint.hold_out.empty()) throw Error("--hold-out: needs --joint");
   const pigment::Fit found = fit_file(o.samples, table, settings);
   const pigment::Palette& palette = found.palette;
+  note_thin_films(o, table, palette);
 
   if (!ours) fmt::print("interface: {}\n", o.surface.text());
   fmt::print("{}: {} paints, {} measurements, {} wavelengths from {:g} to {:g} nm; K and S {}\n\n", o.samples,

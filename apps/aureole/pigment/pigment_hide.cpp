@@ -48,6 +48,12 @@ int hide(const HideOptions& o) {
                               : fmt::format("{:.4g} um", 1e6 * t);
   };
 
+  const bool has_thickness = !o.layer.thickness.empty();
+  note_two_flux_doubt(
+      palette, paint, has_thickness ? thickness_for(palette, o.layer.thickness) : hidden, o.black,
+      o.surface.index, lamp,
+      (has_thickness ? "this layer" : "the layer that just hides") + fmt::format(" over {:g}", o.black));
+
   fmt::print("{}\n", pigment::recipe_text(components_of(palette, fractions)));
   fmt::print("over {:g} and {:g}, luminous reflectance under {}:\n", o.black, o.white,
              o.layer.light.viewing());

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
@@ -77,19 +78,29 @@ std::vector<std::pair<std::size_t, std::size_t>> forbidden_pairs(const pigment::
   return pairs;
 }
 
+/// Whether a line of a table of prices has headings, such as "paint" and "price (EUR/kg)".
+bool is_heading(const pigment::TextRow& row) {
+  const std::string first = pigment::lower_case(row.cells[0].text),
+                    second = pigment::lower_case(row.cells[1].text);
+  return first.starts_with("paint") || first.starts_with("pigment") || first == "name" ||
+         second.starts_with("price") || second.starts_with("cost");
+}
+
 /// Reads a table of two columns, paint and price per mass, for every paint that a recipe may have.
 std::vector<double> read_prices(const std::string& file, const pigment::Palette& palette,
                                 const std::vector<double>& most) {
   std::vector<double> prices(palette.pigments.size(), -1);
   std::vector<int> lines(palette.pigments.size());
-  std::istringstream text = read_table_file(file);
   try {
-    for (const pigment::TextRow& row : pigment::read_text_table(text)) {
+    const std::string text = pigment::utf8_text(read_table_file(file).str());
+    bool is_first = true;
+    for (const pigment::TextRow& row : pigment::read_pairs(text, false)) {
+      const bool may_be_heading = std::exchange(is_first, false);
       if (row.cells.size() != 2)
         throw pigment::TextError(row.line, 0,
                                  "expected a paint and its price, as in the line\n    white,3.50");
       const auto price = pigment::finite_number(row.cells[1].text);
-      if (!price && pigment::lower_case(row.cells[1].text) == "price") continue;  // headings
+      if (!price && may_be_heading && is_heading(row)) continue;
       if (!price || *price < 0)
         throw pigment::TextError(
             row.line, row.cells[1].column,
@@ -176,6 +187,9 @@ int match(MatchOptions o) {
     throw Error(e.what());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!found.empty())
+    note_two_flux_doubt(palette, pigment::mix(palette, found.front().fractions), settings.thickness,
+                        o.substrate, o.surface.index, lamp, "the first recipe");
   const bool spectral = !wanted.target.reflectance.empty();
 
   const pigment::Lab& lab = wanted.target.lab;

@@ -10,7 +10,6 @@
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
-#include "aureole/instrument/paint/two_flux_doubt.h"
 #include "messages.h"
 #include "pigment/pigment_options.h"
 
@@ -41,9 +40,6 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
-/// Colour differences between two fluxes and transport are noted from here on.
-constexpr double kDoubtful = 1;
-
 int mix(const MixOptions& o) {
   o.surface.note_unused();
   const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
@@ -58,16 +54,7 @@ int mix(const MixOptions& o) {
   };
   const pigment::Paint paint = pigment::mix(palette, fractions);
   const std::vector<double> mixed = reflectance(fractions);
-  if (!std::isinf(thickness)) {
-    // A palette without an interface is of measurements from which none was taken.
-    const double index = palette.surface.k2 > 0 ? o.surface.index : 1;
-    const double doubt = two_flux_doubt(paint, palette.nm, thickness, o.substrate, index, lamp);
-    if (doubt > kDoubtful)
-      tell(
-          "note: two fluxes may be off by a Delta E of {:.1f} for this layer (CIEDE2000 from transport with g from 0 to "
-          "0.8), as for thin, dark or forward-scattering ones; K and S of layers of like thickness are off by less\n",
-          doubt);
-  }
+  note_two_flux_doubt(palette, paint, thickness, o.substrate, o.surface.index, lamp, "this layer");
 
   fmt::print(
       "{}\n{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),

@@ -10,6 +10,7 @@
 #include "aureole/core/units.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/instrument/paint/two_flux_doubt.h"
 #include "messages.h"
 
 namespace aureole {
@@ -52,7 +53,7 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
-void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file) {
+void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file, bool is_taken_off) {
   if (instrument.geometry.empty()) return;
   const bool says_specular = !instrument.specular.empty() && instrument.geometry != "45_0";
   if (given()) {
@@ -74,11 +75,18 @@ void SurfaceOptions::take(const pigment::Instrument& instrument, const std::stri
   if (!specular.empty() && says_specular && specular != instrument.specular) {
     tell(
         "note: {}: was measured at the geometry {}; --specular {}, which differs, is taken: the interface of index {:g} "
-        "is taken off\n",
-        file, stated(instrument), specular, index);
+        "is taken off{}\n",
+        file, stated(instrument), specular, index, is_taken_off ? "" : " for K/S and conversions");
     return;
   }
   if (specular.empty()) specular = instrument.specular;
+  if (!is_taken_off) {
+    tell(
+        "note: {}: was measured at the geometry {}{}; K/S and conversions are those of the interface of index {:g}\n",
+        file, stated(instrument),
+        instrument.specular.empty() ? ", and does not say whether specular light is included" : "", index);
+    return;
+  }
   tell(
       "note: {}: was measured at the geometry {}{}: the interface of index {:g} is taken off; --geometry none takes "
       "none off\n",
@@ -99,6 +107,21 @@ void SurfaceOptions::note_unused() const {
   if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
   if (specular == "included" && (!given() || geometry == "none"))
     tell("note: --specular: has no effect without an interface (--geometry, or --k1 and --k2)\n");
+}
+
+void note_two_flux_doubt(const pigment::Palette& palette, const pigment::Paint& paint, double thickness,
+                         double substrate, double index, const pigment::Observation& lamp,
+                         const std::string& whose) {
+  constexpr double kDoubtful = 1;
+  if (std::isinf(thickness)) return;
+  // A palette without an interface is of measurements from which none was taken.
+  const double doubt =
+      two_flux_doubt(paint, palette.nm, thickness, substrate, palette.surface.k2 > 0 ? index : 1, lamp);
+  if (doubt > kDoubtful)
+    tell(
+        "note: two fluxes may be off by a Delta E of {:.1f} for {} (CIEDE2000 from transport with g from 0 to 0.8), as for "
+        "thin, dark or forward-scattering ones; K and S of layers of like thickness are off by less\n",
+        doubt, whose);
 }
 
 void note_substrate(double substrate, const std::string& thickness) {
@@ -168,6 +191,8 @@ pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& s
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
     tell("note: {}: {} negative values of K and S count as zero\n", file, count);
+  if (const std::string note = pigment::theory_note(palette); !note.empty())
+    tell("note: {}: {}\n", file, note);
   if (surface.given()) palette.surface = surface.surface();
   return palette;
 }

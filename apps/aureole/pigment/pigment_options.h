@@ -28,7 +28,8 @@ struct SurfaceOptions {
   pigment::Surface surface() const;
   /// Takes the geometry and the specular component that a file of measurements states, unless options give them; notes
   /// what is taken.
-  void take(const pigment::Instrument& instrument, const std::string& file);
+  /// `is_taken_off` says whether reflectances are used without the interface; otherwise only K/S is.
+  void take(const pigment::Instrument& instrument, const std::string& file, bool is_taken_off = true);
   /// Notes options that have no effect beside the others.
   void note_unused() const;
   /// A geometry that a file states, in words: "d8, specular included".
@@ -71,6 +72,12 @@ struct LayerOfPaint {
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
 /// if one is given. What options of the interface have no effect is for the caller to note.
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
+
+/// Notes where two fluxes are expected to be off by a visible colour difference for a layer (`two_flux_doubt`). `whose`
+/// names the layer: "this layer". `index` is that of the binder, where the palette has an interface.
+void note_two_flux_doubt(const pigment::Palette& palette, const pigment::Paint& paint, double thickness,
+                         double substrate, double index, const pigment::Observation& lamp,
+                         const std::string& whose);
 
 /// Notes a substrate that was given (not 1) below an opaque layer.
 void note_substrate(double substrate, const std::string& thickness);

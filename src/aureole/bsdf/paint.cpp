@@ -234,6 +234,8 @@ private:
       throw properties.error("palette", e.what());
     }
     note_palette_range(properties, properties.has("palette") ? "palette" : "recipe", palette);
+    if (const std::string note = pigment::theory_note(palette); !note.empty())
+      properties.note("palette", note);
     if (const int count = pigment::clamp_negative(palette))
       properties.note("palette", std::to_string(count) + " negative values of K and S count as zero");
     opaque_ = !properties.has("thickness");

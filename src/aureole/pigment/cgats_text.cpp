@@ -251,7 +251,7 @@ SampleTable samples_of(const Table& t) {
       s.quantity = Sample::Quantity::transmittance;
     else if (!kind.empty() && kind != "R")
       fail(quantity, "QUANTITY must be R or T, got \"" + at(quantity) + "\"");
-    if (!at(backing).empty()) s.backing = at(backing);
+    if (!at(backing).empty()) s.backing = at(backing), s.states_backing = true;
     s.series = at(series), s.specimen = at(specimen);
     if (!at(thickness).empty()) {
       s.thickness = 1e-6 * number_of(row, *thickness);

@@ -266,8 +266,16 @@ Coefficients Fitter::absolute(const Evidence& e, const std::vector<Values>& mean
         throw std::logic_error("no absolute method");
     }
   } catch (const std::domain_error& error) {
-    throw SampleError(groups_[e.used.front()].members.front(), int(i),
-                      "paint \"" + e.paint + "\" at " + number_text(table_.nm[i]) + " nm: " + error.what());
+    const bool over_two = e.method == FitMethod::drawdowns;
+    const bool is_darker = over_two && means[e.used[1]][i] < means[e.used[0]][i];
+    throw SampleError(
+        groups_[e.used.front()].members.front(), int(i),
+        "paint \"" + e.paint + "\" at " + number_text(table_.nm[i]) + " nm: " + error.what() +
+            (is_darker
+                 ? "; the film is darker over the brighter card: are the cards swapped? If not, a fit of all "
+                   "measurements (--joint) takes this for noise"
+             : over_two ? "; a fit of all measurements (--joint) takes what no film can be for noise"
+                        : ""));
   }
 }
 

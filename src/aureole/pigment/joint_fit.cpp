@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <random>
 #include <set>
 
 #include "aureole/pigment/domain.h"
@@ -40,7 +42,7 @@ JointFit::JointFit(const SampleTable& table, const FilmTheory& theory, const Joi
   const JointSystem& s = *system_;
   palette_.nm = table.nm;
   palette_.relative = palette_.per_film = !s.metric_;
-  palette_.by_volume = true;
+  palette_.by_volume = true, palette_.by_streams = theory.name() == "streams";
   for (int p = 0; p < s.paints(); ++p) {
     Pigment& pigment = palette_.pigments.emplace_back();
     pigment.name = s.names_[std::size_t(p)];
@@ -72,6 +74,44 @@ std::vector<std::string> JointFit::over_equal_cards() const {
     if (cards.size() > 1 && highest - lowest < kAlike) names.push_back(specimen.name);
   }
   return names;
+}
+
+std::vector<std::string> JointFit::swapped_cards() const {
+  const JointSystem& s = *system_;
+  std::vector<std::string> all;
+  /// Repeats over one card, and the mean reflectance of the card within the binder.
+  struct Over {
+    double card = 0;
+    std::vector<double> mean;
+    int count = 0;
+  };
+  for (const JointSystem::Specimen& specimen : s.specimens_) {
+    std::map<std::string, Over> cards;
+    for (const std::size_t r : specimen.rows) {
+      const JointSystem::Row& row = s.rows_[r];
+      if (row.kind != JointSystem::Row::Kind::over || row.card >= 0) continue;
+      const Sample& sample = s.table_.samples[row.sample];
+      Over& over = cards[sample.backing];
+      over.mean.resize(s.wavelengths_), over.card = 0;
+      for (std::size_t l = 0; l < s.wavelengths_; ++l) {
+        over.card += row.substrate[l] / double(s.wavelengths_);
+        over.mean[l] = (over.mean[l] * over.count + sample.values[l]) / (over.count + 1);
+      }
+      ++over.count;
+    }
+    if (cards.size() < 2) continue;
+    const auto [dark, bright] =
+        std::minmax_element(cards.begin(), cards.end(),
+                            [](const auto& a, const auto& b) { return a.second.card < b.second.card; });
+    std::size_t count = 0;
+    for (std::size_t l = 0; l < s.wavelengths_; ++l)
+      count += dark->second.mean[l] - bright->second.mean[l] > s.settings_.noise;
+    if (2 * count <= s.wavelengths_) continue;
+    all.push_back("\"" + specimen.name + "\" is darker over the brighter card \"" + bright->first +
+                  "\" than over \"" + dark->first + "\", by more than the noise at " + std::to_string(count) +
+                  " of " + std::to_string(s.wavelengths_) + " wavelengths: are the cards swapped?");
+  }
+  return all;
 }
 
 double JointFit::cost() const { return system_->cost_; }
@@ -191,6 +231,44 @@ void JointFit::with_errors() {
       ratio_error_[p][l] = kUnknownError;
     }
   }
+}
+
+ResidualReport JointFit::residuals() const {
+  JointSystem& s = *system_;
+  factorise(s);
+  constexpr Eigen::Index kProbes = 32;
+  std::vector<ColumnMatrix> chain(s.wavelengths_, ColumnMatrix::Zero(s.chain_.rows(), kProbes));
+  ColumnMatrix border = ColumnMatrix::Zero(s.border_.size(), kProbes);
+  std::mt19937 random(1);
+  ResidualReport report;
+  double squares = 0;
+  for (const JointSystem::Row& row : s.rows_) {
+    const JointSystem::Specimen& specimen = s.specimens_[std::size_t(row.specimen)];
+    for (std::size_t l = 0; l < s.wavelengths_; ++l) {
+      const double measured = s.table_.samples[row.sample].values[l],
+                   weight = std::sqrt(specimen.weight) / s.sigma(measured, row.scatter);
+      const JointSystem::Local local = s.evaluate(specimen, row, l, s.chain_, s.border_);
+      Eigen::RowVectorXd at = Eigen::RowVectorXd::Zero(s.chain_.rows()),
+                         shared = Eigen::RowVectorXd::Zero(s.border_.size());
+      s.derivatives(specimen, local, row, l, at, shared);
+      Eigen::RowVectorXd signs(kProbes);
+      for (Eigen::Index p = 0; p < kProbes; ++p) signs[p] = random() & 1 ? weight : -weight;
+      chain[l].noalias() += at.transpose() * signs, border.noalias() += shared.transpose() * signs;
+      squares += std::pow(weight * (local.film.value - measured), 2);
+      report.values += specimen.weight;
+    }
+  }
+  const std::vector<ColumnMatrix> right = chain;
+  const ColumnMatrix right_border = border;
+  s.factors_->solve(chain, border);
+  double trace = right_border.cwiseProduct(border).sum();
+  for (std::size_t l = 0; l < s.wavelengths_; ++l) trace += right[l].cwiseProduct(chain[l]).sum();
+  report.freedom = std::max(0.0, report.values - trace / double(kProbes));
+  // With few degrees of freedom residuals are small whatever the noise is.
+  constexpr double kLeast = 10, kLeastShare = 0.05;
+  if (report.freedom > std::max(kLeast, kLeastShare * report.values))
+    report.relative = std::sqrt(squares / report.freedom);
+  return report;
 }
 
 std::vector<SpecimenReport> JointFit::specimens(bool with_errors) const {
@@ -315,6 +393,7 @@ std::vector<std::string> joint_notes(const JointFit& fit) {
              : "\" was measured as one film over one card, or over cards that are alike: neither K nor S nor K/S is "
                "known, and the numbers are guesses; missing is the film over a card that differs, an opaque layer, "
                "or a tint with a white"));
+  for (std::string& note : fit.swapped_cards()) notes.push_back(std::move(note));
   if (!fit.converged())
     notes.push_back("the fit did not converge in " + std::to_string(fit.iterations()) +
                     " steps; its numbers are those of the last one");

@@ -23,8 +23,8 @@ namespace aureole::pigment {
 /// Standard deviations that state what is known before the measurements. All but `noise` and `noise_relative`
 /// are of logarithms; 0 fixes the quantity.
 struct JointSettings {
-  /// Error of a measured reflectance R, the theory's own error included: noise + noise_relative R, added in
-  /// squares.
+  /// Error of a measured reflectance R, the theory's own error included: noise and noise_relative R, added in
+  /// squares. Repeats of a specimen over one card add their own standard deviation, in squares as well.
   double noise = 0.01, noise_relative = 0.05;
   double thickness = 0.15;         ///< of a specimen without a stated thickness, about the common one
   double stated_thickness = 0.03;  ///< of a stated thickness
@@ -73,6 +73,16 @@ struct UnknownPaint {
   bool ratio_is_known = false;  ///< K/S is known, of an opaque layer
 };
 
+/// How residuals compare with the stated noise.
+struct ResidualReport {
+  /// Root of the weighted sum of squares over the degrees of freedom, in units of the stated noise; 0 without `freedom`.
+  double relative = 0;
+  /// Measured values, counted by their specimens' weights, less the trace of the matrix that maps them to fitted values
+  /// (estimated by random signs, M. F. Hutchinson, Commun. Stat. Simul. Comput. 19, 1990).
+  double freedom = 0;
+  double values = 0;  ///< number of measured values, by weights
+};
+
 /// A predicted specimen.
 struct JointPrediction {
   std::vector<double> values;  ///< at the table's wavelengths
@@ -113,6 +123,10 @@ public:
   /// Paints whose K and S are not known apart: no mixture and no free film of them was measured, and no two of: an opaque
   /// layer, films over cards that differ, films of stated thicknesses that differ.
   std::vector<UnknownPaint> unknown_paints() const;
+  /// Films that are darker over the brighter of two measured cards, by more than the stated noise at most wavelengths,
+  /// in words.
+  std::vector<std::string> swapped_cards() const;
+  ResidualReport residuals() const;
   double cost() const;
   int iterations() const;
   /// Whether the last step made the sum of squares smaller by less than one part in 10^5. Otherwise the number of
@@ -130,7 +144,7 @@ private:
 double joint_fit_seconds(const SampleTable& table, const JointSettings& settings = {});
 
 /// Notes about the data of a fit: cards that were not measured, specimens over cards that are alike, paints of which
-/// the data tell K/S only with the measurement that is missing, a fit that did not converge.
+/// the data tell K/S only with the measurement that is missing, cards that seem swapped, a fit that did not converge.
 std::vector<std::string> joint_notes(const JointFit& fit);
 
 /// Throws SampleError for a reflectance or transmittance above 1.05, and notes those that no paint has under the

@@ -144,6 +144,31 @@ void JointSystem::collect(const std::vector<std::size_t>& left_out) {
   }
 }
 
+/// Measurements of one specimen over one card repeat each other. Their scatter is the root of their variance, averaged
+/// over the wavelengths.
+void JointSystem::set_scatter() {
+  for (const Specimen& specimen : specimens_) {
+    std::map<std::pair<int, std::string>, std::vector<std::size_t>> groups;
+    for (const std::size_t r : specimen.rows) {
+      const Sample& sample = table_.samples[rows_[r].sample];
+      groups[{int(sample.quantity), sample.backing}].push_back(r);
+    }
+    for (const auto& [key, rows] : groups) {
+      if (rows.size() < 2) continue;
+      double squares = 0;
+      for (std::size_t l = 0; l < wavelengths_; ++l) {
+        double mean = 0;
+        for (const std::size_t r : rows)
+          mean += table_.samples[rows_[r].sample].values[l] / double(rows.size());
+        for (const std::size_t r : rows)
+          squares += std::pow(table_.samples[rows_[r].sample].values[l] - mean, 2);
+      }
+      for (const std::size_t r : rows)
+        rows_[r].scatter = std::sqrt(squares / (double(rows.size() - 1) * double(wavelengths_)));
+    }
+  }
+}
+
 void JointSystem::set_priors() {
   const int variants = int(variants_.size()), cards = int(cards_.size());
   const int size = 2 * (paints() + variants) + cards;
@@ -297,8 +322,8 @@ double JointSystem::total_cost(const ColumnMatrix& chain, const JointVector& bor
     const Specimen& specimen = specimens_[std::size_t(row.specimen)];
     const std::vector<double>& measured = table_.samples[row.sample].values;
     for (std::size_t l = 0; l < wavelengths_; ++l) {
-      const double z =
-          (evaluate(specimen, row, l, chain, border).film.value - measured[l]) / sigma(measured[l]);
+      const double z = (evaluate(specimen, row, l, chain, border).film.value - measured[l]) /
+                       sigma(measured[l], row.scatter);
       cost += specimen.weight * z * z;
     }
   }
@@ -321,7 +346,7 @@ void JointSystem::assemble(NormalChain& matrix, std::vector<ColumnMatrix>& gradi
       const Row& row = rows_[std::size_t(r)];
       const Specimen& specimen = specimens_[std::size_t(row.specimen)];
       const double measured = table_.samples[row.sample].values[l];
-      const double weight = std::sqrt(specimen.weight) / sigma(measured);
+      const double weight = std::sqrt(specimen.weight) / sigma(measured, row.scatter);
       const Local local = evaluate(specimen, row, l, chain_, border_);
       residual[r] = weight * (local.film.value - measured);
       derivatives(specimen, local, row, l, chain.row(r), border.row(r));
@@ -456,7 +481,7 @@ void JointSystem::solve() {
         const std::vector<double>& measured = table_.samples[rows_[r].sample].values;
         for (std::size_t l = 0; l < wavelengths_; ++l)
           sum += std::pow((evaluate(specimen, rows_[r], l, chain_, border_).film.value - measured[l]) /
-                              sigma(measured[l]),
+                              sigma(measured[l], rows_[r].scatter),
                           2);
       }
       const double mean = sum / double(specimen.rows.size() * wavelengths_);

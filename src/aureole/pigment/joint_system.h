@@ -35,6 +35,7 @@ public:
       : table_(table), theory_(theory), settings_(settings), wavelengths_(table.nm.size()) {
     check(table);
     collect(left_out);
+    set_scatter();
     set_priors();
   }
 
@@ -47,6 +48,7 @@ public:
     std::size_t sample = 0;
     int specimen = -1, card = -1;   ///< card: an unknown one
     std::vector<double> substrate;  ///< of a known card, by wavelength
+    double scatter = 0;             ///< standard deviation of the sample's repeats of one specimen
     enum class Kind { over, opaque, free_reflectance, free_transmittance } kind = Kind::over;
   };
   struct Part {
@@ -78,8 +80,9 @@ public:
                 ColumnMatrix& border_gradient) const;
   void derivatives(const Specimen& specimen, const Local& local, const Row& row, std::size_t l,
                    Eigen::Ref<Eigen::RowVectorXd> chain, Eigen::Ref<Eigen::RowVectorXd> border) const;
-  double sigma(double reflectance) const {
-    return std::hypot(settings_.noise, settings_.noise_relative * reflectance);
+  /// Standard deviation of a measurement of this reflectance. Repeats that scatter add their own deviation.
+  double sigma(double reflectance, double scatter = 0) const {
+    return std::hypot(settings_.noise, settings_.noise_relative * reflectance, scatter);
   }
 
   int paints() const { return int(names_.size()); }
@@ -121,6 +124,7 @@ public:
 
 private:
   void collect(const std::vector<std::size_t>& left_out);
+  void set_scatter();
   void set_priors();
   int index_of(const std::string& paint) const {
     const auto at = std::find(names_.begin(), names_.end(), paint);

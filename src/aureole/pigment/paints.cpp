@@ -20,6 +20,12 @@ std::vector<std::string> Palette::names() const {
   return all;
 }
 
+std::string theory_note(const Palette& palette) {
+  if (!palette.by_streams) return {};
+  return "K and S were fitted by streams; two fluxes, which are used here, predict worse with them than with those of "
+         "aureole pigment fit --joint --theory two-flux";
+}
+
 std::string_view unit_name(const Palette& palette) {
   return !palette.relative ? "1/m" : palette.per_film ? "film" : "relative";
 }

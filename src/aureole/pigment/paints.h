@@ -31,6 +31,8 @@ struct Palette {
                          ///< Otherwise they are per metre.
   bool per_film = false;  ///< with `relative`: K and S are per thickness of the films that were measured, and
                           ///< thickness counts in films
+  bool by_streams =
+      false;  ///< K = 2 sigma_a and S = 3/4 sigma_s (1 - g) were fitted by streams (film_theory.h)
   bool by_volume = false;  ///< K and S add up by volume rather than by mass; all pigments have a density
   Surface surface = {};    ///< between the binder and air, for the instrument of the measurements
 
@@ -40,6 +42,9 @@ struct Palette {
 
 /// "1/m", "relative" or "film", the unit of K and S in files.
 std::string_view unit_name(const Palette& palette);
+
+/// A note for predictions by two fluxes from K and S that were fitted by streams; empty for other palettes.
+std::string theory_note(const Palette& palette);
 
 /// Throws std::domain_error, with the name of the pigment and the wavelength, if the palette has no
 /// wavelengths or no pigments, if wavelengths do not increase, if a number is missing or not finite, if a name

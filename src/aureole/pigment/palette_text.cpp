@@ -40,6 +40,7 @@ std::string palette_text(const Palette& palette) {
   out << "unit," << unit_name(palette) << "\nsurface seen," << exact(palette.surface.seen)
       << "\nsurface through," << exact(palette.surface.through) << "\nsurface k2,"
       << exact(palette.surface.k2) << "\n";
+  if (palette.by_streams) out << "theory,streams\n";
   if (palette.by_volume) out << "mixing,volume\n";
   for (const Pigment& p : palette.pigments)
     if (p.density > 0) out << cell("density " + p.name) << "," << exact(p.density) << "\n";
@@ -88,13 +89,19 @@ Palette read_palette(std::istream& text) {
         throw TextError(row.line, row.cells[1].column,
                         "mixing must be mass or volume, got \"" + mixing + "\"");
       palette.by_volume = mixing == "volume";
+    } else if (key == "theory") {
+      const std::string& theory = row.cells[1].text;
+      if (theory != "two fluxes" && theory != "streams")
+        throw TextError(row.line, row.cells[1].column,
+                        "theory must be \"two fluxes\" or streams, got \"" + theory + "\"");
+      palette.by_streams = theory == "streams";
     } else if (key.starts_with("density ")) {
       densities.emplace_back(key.substr(8), number_of(row, 1));
     } else {
       throw TextError(row.line, row.cells[0].column,
                       "unknown key \"" + key +
                           "\"; a palette begins with unit, surface seen, surface through, surface k2, "
-                          "mixing or density, and then a line of headings from \"nm\" on");
+                          "theory, mixing or density, and then a line of headings from \"nm\" on");
     }
   }
   if (at == rows.size()) throw TextError(0, 0, "there is no line of headings that begins with \"nm\"");

@@ -15,6 +15,16 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
+/// "10% ochre" as "ochre: 10%", which `turned` holds; other texts as they are.
+std::string_view amount_last(std::string_view part, std::string& turned) {
+  const auto percent = part.find('%');
+  if (percent == part.npos || percent + 1 == part.size() || part.find(':') != part.npos) return part;
+  if (trimmed(part.substr(0, percent)).find_first_not_of("0123456789.eE+-") != std::string_view::npos)
+    return part;
+  turned = std::string(trimmed(part.substr(percent + 1))) + ": " + std::string(part.substr(0, percent + 1));
+  return turned;
+}
+
 }  // namespace
 
 std::vector<Component> parse_recipe(std::string_view text) {
@@ -25,7 +35,10 @@ std::vector<Component> parse_recipe(std::string_view text) {
   double sum = 0;
   for (std::string_view rest = text;;) {
     const auto plus = rest.find('+');
-    const std::string_view part = trimmed(rest.substr(0, plus));
+    std::string turned;
+    std::string_view part = trimmed(rest.substr(0, plus));
+    // A single text such as "50% cyan" is the name of a patch.
+    if (text.find('+') != text.npos) part = amount_last(part, turned);
     const auto colon = part.rfind(':');
     Component component{std::string(trimmed(part.substr(0, colon))), 1};
     if (component.name.empty()) throw std::domain_error("recipe " + whole + ": a paint has no name");

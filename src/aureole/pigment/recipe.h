@@ -15,7 +15,8 @@ struct Component {
 };
 
 /// Parses names with amounts after a colon, joined by '+'; a single name needs no amount. Amounts are either
-/// parts, which are divided by their sum, or all in per cent ("30%") with a sum of 100. Throws
+/// parts, which are divided by their sum, or all in per cent ("30%") with a sum of 100. Per cent may stand before the name:
+/// "30% red + 70% white". Throws
 /// std::domain_error that quotes the problem: an amount that is missing, negative, zero or not a number, a
 /// duplicate name, or percentages with a wrong sum.
 std::vector<Component> parse_recipe(std::string_view text);

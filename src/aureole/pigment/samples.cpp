@@ -186,6 +186,7 @@ struct Columns {
 
   Columns(const TextRow& header, Recipes recipes, std::vector<std::string>& notes) {
     std::vector<Found> reflected, through;
+    std::vector<std::string> unused;
     const auto line = [&](const TextCell& cell) { return cell.line ? cell.line : header.line; };
     const std::vector<std::string> headings = without_repeat_numbers(header);
     for (std::size_t i = 0; i < header.cells.size(); ++i) {
@@ -206,8 +207,13 @@ struct Columns {
         throw TextError(line(cell), cell.column,
                         "unknown column \"" + cell.text + "\"; columns are " + kColumnNames +
                             ", as in the line\n    " + kRightHeader);
-      notes.push_back("the column \"" + cell.text + "\" is not used");
+      unused.push_back("\"" + cell.text + "\"");
     }
+    std::string all;
+    for (const std::string& name : unused) all += (all.empty() ? "" : ", ") + name;
+    if (!unused.empty())
+      notes.push_back(unused.size() == 1 ? "the column " + all + " is not used"
+                                         : "the columns " + all + " are not used");
     if (!paints && !sample && recipes == Recipes::optional)
       throw TextError(
           header.line, 0,
@@ -358,6 +364,13 @@ void fill_missing(SampleTable& table) {
   cut(table.nm);
 }
 
+/// The message of a layer with a thickness of which nothing says what it lies on.
+std::string without_backing(const Sample& s) {
+  return "\"" + s.name +
+         "\" has a thickness and no backing; right would be opaque, none (a free film), an inner reflectance such as 0.04, "
+         "or the name of a line without paints, the bare card";
+}
+
 /// One row of the table: a measurement, or several repeats.
 std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::vector<std::string>& notes,
                                bool& has_unit) {
@@ -388,7 +401,7 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
     s.quantity = Sample::Quantity::transmittance;
   else if (!quantity.empty() && quantity != "R")
     fail(columns.quantity, "quantity must be R or T, got \"" + text(columns.quantity) + "\"");
-  if (!text(columns.backing).empty()) s.backing = text(columns.backing);
+  if (!text(columns.backing).empty()) s.backing = text(columns.backing), s.states_backing = true;
   if (!text(columns.thickness).empty()) {
     s.thickness = columns.thickness_scale * number_of(row, *columns.thickness);
     if (!(s.thickness > 0))
@@ -413,13 +426,9 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   // A film of which transmittances are given lies on nothing.
   for (std::size_t r = 0; r < columns.values.size(); ++r)
     if (columns.transmitted[r] && is_measured(r) && text(columns.backing).empty() && !s.paints.empty())
-      s.backing = "none";
+      s.backing = "none", s.states_backing = true;
   if (s.thickness > 0 && !s.paints.empty() && s.backing == "opaque" && text(columns.backing).empty())
-    fail(
-        columns.backing ? columns.backing : columns.thickness,
-        "\"" + s.name +
-            "\" has a thickness and no backing; right would be opaque, none (a free film), an inner reflectance such as "
-            "0.04, or the name of a line without paints, the bare card");
+    fail(columns.backing ? columns.backing : columns.thickness, without_backing(s));
   for (std::size_t r = 0; r < columns.values.size(); ++r) {
     const std::vector<std::size_t>& run = columns.values[r];
     if (has_film && !is_measured(r)) continue;  // a row may have one quantity only
@@ -515,20 +524,6 @@ void drop_empty_columns(std::vector<TextRow>& rows) {
   while (width > 1 && std::all_of(rows.begin(), rows.end(), is_empty)) --width;
   for (TextRow& row : rows)
     while (row.cells.size() > width && row.cells.back().text.empty()) row.cells.pop_back();
-}
-
-/// Changes decimal commas to points in all cells that are numbers with one comma.
-bool change_decimal_commas(std::vector<TextRow>& rows) {
-  bool any = false;
-  for (TextRow& row : rows)
-    for (TextCell& cell : row.cells) {
-      if (std::count(cell.text.begin(), cell.text.end(), ',') != 1 || cell.text.find('.') != cell.text.npos)
-        continue;
-      std::string text = cell.text;
-      text[text.find(',')] = '.';
-      if (finite_number(text)) cell.text = std::move(text), any = true;
-    }
-  return any;
 }
 
 }  // namespace
@@ -709,6 +704,55 @@ std::vector<Panel> panels_called(const std::vector<Panel>& panels, const std::st
   for (const Panel& p : panels)
     if (trimmed(p.name) == trimmed(name) || trimmed(p.first->name) == trimmed(name)) found.push_back(p);
   return found;
+}
+
+void match_card_names(SampleTable& table) {
+  std::set<std::string> cards;
+  for (const Sample& s : table.samples)
+    if (s.paints.empty()) cards.insert(s.name);
+  std::map<std::string, std::string> meant;  // names in another case, and the cards that they name
+  for (Sample& s : table.samples) {
+    if (s.paints.empty() || s.backing == "opaque" || s.backing == "none" || cards.contains(s.backing))
+      continue;
+    std::vector<std::string> found;
+    for (const std::string& card : cards)
+      if (lower_case(card) == lower_case(s.backing)) found.push_back(card);
+    if (found.size() != 1) continue;
+    if (meant.emplace(s.backing, found[0]).second)
+      table.notes.push_back("the backing \"" + s.backing + "\" is taken for the card \"" + found[0] +
+                            "\", whose name differs in case");
+    s.backing = found[0];
+  }
+}
+
+void settle_backings(SampleTable& table) {
+  match_card_names(table);
+  std::set<std::string> stated;
+  const auto layers_of = [](const Sample& s) {
+    std::vector<std::string> keys{"recipe " + recipe_text(s.paints, 6)};
+    if (!s.specimen.empty()) keys.push_back("specimen " + s.series + " " + s.specimen);
+    return keys;
+  };
+  for (const Sample& s : table.samples)
+    if (s.states_backing && !s.paints.empty())
+      for (std::string& key : layers_of(s)) stated.insert(std::move(key));
+  int count = 0;
+  const Sample* first = nullptr;
+  for (std::size_t i = 0; i < table.samples.size(); ++i) {
+    const Sample& s = table.samples[i];
+    if (s.states_backing || s.paints.empty()) continue;
+    if (s.thickness > 0 && s.backing == "opaque") throw SampleError(i, -1, without_backing(s));
+    const std::vector<std::string> keys = layers_of(s);
+    if (std::none_of(keys.begin(), keys.end(), [&](const std::string& key) { return stated.contains(key); }))
+      continue;
+    if (count++ == 0) first = &s;
+  }
+  if (count > 0)
+    table.notes.push_back("\"" + first->name + "\"" +
+                          (first->line > 0 ? " of line " + std::to_string(first->line) : "") +
+                          (count > 1 ? " and " + std::to_string(count - 1) + " more have" : " has") +
+                          " no backing, which other measurements of this paint or specimen state, and " +
+                          (count > 1 ? "are" : "is") + " taken for opaque");
 }
 
 void check_not_above_white(const SampleTable& table) {

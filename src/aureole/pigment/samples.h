@@ -21,6 +21,7 @@ struct Sample {
   /// "opaque": an opaque layer; "none": a free film; the name of a bare substrate among the samples; or a
   /// number, the inner reflectance of the substrate.
   std::string backing = "opaque";
+  bool states_backing = false;    ///< whether the file states the backing; otherwise it is taken for opaque
   double thickness = 0;           ///< [m]; 0: unknown
   std::string series = {};        ///< what was made from the same batches of paint; for joint_fit.h
   std::string specimen = {};      ///< the layer that was measured; samples of one specimen have one thickness
@@ -106,6 +107,12 @@ struct Panel {
 std::vector<Panel> panels_of(const SampleTable& table);
 /// The panels of a name, either as the file has it or as `Panel::name` says it.
 std::vector<Panel> panels_called(const std::vector<Panel>& panels, const std::string& name);
+
+/// Changes backings that are a card's name in another case to this name, with a note.
+void match_card_names(SampleTable& table);
+/// Settles the backings of a table that was read from a file: `match_card_names`, and layers without a backing beside others of
+/// the same recipe or specimen that state one are noted. Throws SampleError for a layer with a thickness and without a backing.
+void settle_backings(SampleTable& table);
 
 /// Throws SampleError for a reflectance above 1.05, which no paint has: it may be in per cent.
 void check_not_above_white(const SampleTable& table);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/pigment/text_table.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <istream>
+#include <sstream>
 
 #include "aureole/pigment/samples.h"
 
@@ -100,6 +102,39 @@ std::string from_windows_1252(std::string_view bytes) {
 }
 
 }  // namespace
+
+bool change_decimal_commas(std::vector<TextRow>& rows) {
+  bool any = false;
+  for (TextRow& row : rows)
+    for (TextCell& cell : row.cells) {
+      if (std::count(cell.text.begin(), cell.text.end(), ',') != 1 || cell.text.find('.') != cell.text.npos)
+        continue;
+      std::string text = cell.text;
+      text[text.find(',')] = '.';
+      if (finite_number(text)) cell.text = std::move(text), any = true;
+    }
+  return any;
+}
+
+std::vector<TextRow> read_pairs(const std::string& text, bool both_are_numbers) {
+  std::vector<TextRow> best;
+  std::size_t most = 0;
+  // A comma may be a decimal comma, so that it comes after the others.
+  for (const char separator : {';', '\t', ',', ' '}) {
+    if (separator == ' ' && !both_are_numbers) continue;
+    std::istringstream stream(text);
+    std::vector<TextRow> rows = read_text_table(stream, separator);
+    for (TextRow& row : rows)  // blanks at the ends of lines
+      while (separator == ' ' && row.cells.size() > 2 && row.cells.back().text.empty()) row.cells.pop_back();
+    change_decimal_commas(rows);
+    std::size_t count = 1;
+    for (const TextRow& row : rows)
+      count += row.cells.size() == 2 && finite_number(row.cells[1].text) &&
+               (!both_are_numbers || finite_number(row.cells[0].text));
+    if (count > most || (most == 1 && separator == ',')) best = std::move(rows), most = count;
+  }
+  return best;
+}
 
 std::string utf8_text(std::string bytes, std::vector<std::string>* notes) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };

@@ -26,6 +26,13 @@ struct TextRow {
 /// lines.
 std::vector<TextRow> read_text_table(std::istream& text, char separator = ',');
 
+/// Changes decimal commas to points in all cells that are numbers with one comma; returns whether there are any.
+bool change_decimal_commas(std::vector<TextRow>& rows);
+
+/// Reads a table of two columns, of which the second, or both, are numbers: separated by commas, semicolons, tabs or (if
+/// both are numbers) blanks, with decimal points or commas. A first line of headings is among the rows.
+std::vector<TextRow> read_pairs(const std::string& text, bool both_are_numbers);
+
 /// Text as UTF-8: UTF-16 with or without a byte order mark is converted, a byte order mark is removed, and line ends
 /// of "\r" alone become "\n". Other text that is not UTF-8 is taken for Windows-1252, with a note if wanted.
 std::string utf8_text(std::string bytes, std::vector<std::string>* notes = nullptr);

@@ -255,21 +255,29 @@ TEST(PigmentRecipe, PartsAndPerCent) {
   EXPECT_EQ(recipe[0].name, "cold yellow");
   EXPECT_NEAR(recipe[0].fraction, 0.19 / 0.54, 1e-15);
   EXPECT_EQ(recipe_text(parse_recipe("red: 25% + white: 75%"), 1), "red: 25.0% + white: 75.0%");
+  EXPECT_EQ(recipe_text(parse_recipe("25% red + 75 % white"), 1), "red: 25.0% + white: 75.0%");
+  EXPECT_EQ(recipe_text(parse_recipe("25% red + white: 75%"), 1), "red: 25.0% + white: 75.0%");
+  EXPECT_EQ(parse_recipe("50% cyan")[0].name, "50% cyan");
   EXPECT_EQ(parse_recipe("white")[0].fraction, 1);
   for (const char* wrong :
-       {"", "red + white", "red: 1 + white", "red: -1 + white: 2", "red: 0 + white: 1", "red: 1 + red: 2",
-        "red: 30% + white: 60%", "red: 30% + white: 0.7", "red: x + white: 1", "red: 1 + : 1"})
+       {"", "10% red + 80% white", "10% + 90% white", "red + white", "red: 1 + white", "red: -1 + white: 2",
+        "red: 0 + white: 1", "red: 1 + red: 2", "red: 30% + white: 60%", "red: 30% + white: 0.7",
+        "red: x + white: 1", "red: 1 + : 1"})
     EXPECT_THROW(parse_recipe(wrong), std::domain_error) << wrong;
 }
 
 TEST(PaletteText, ComesBack) {
   Palette p = kimera_fit().palette;
-  p.pigments[2].density = 1234.5;
+  p.pigments[2].density = 1234.5, p.by_streams = true;
   std::istringstream text(palette_text(p));
   const Palette back = read_palette(text);
   EXPECT_EQ(back.nm, p.nm);
   EXPECT_EQ(back.surface.through, p.surface.through);
   EXPECT_EQ(back.pigments[2].density, 1234.5);
+  EXPECT_TRUE(back.by_streams);
+  p.by_streams = false;
+  std::istringstream by_two_fluxes(palette_text(p));
+  EXPECT_FALSE(read_palette(by_two_fluxes).by_streams);
   for (std::size_t i = 0; i < p.pigments.size(); ++i) {
     EXPECT_EQ(back.pigments[i].name, p.pigments[i].name);
     EXPECT_EQ(back.pigments[i].k, p.pigments[i].k);

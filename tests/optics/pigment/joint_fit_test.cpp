@@ -204,6 +204,53 @@ TEST(JointFit, ExactDataGiveThePaintsBack) {
   for (const SpecimenReport& r : fit.specimens()) EXPECT_LT(r.rms, 1e-5) << r.name;
 }
 
+/// Noise that the settings state is found again in the residuals, and so is noise that they do not state. With nothing
+/// smooth, two unknowns a wavelength for each of three paints take 2 * 3 * 16 degrees of freedom.
+TEST(JointFit, ResidualsTellTheNoise) {
+  Workshop lab;
+  SampleTable table = lab.table(0.002);
+  for (const char* again : {"white again", "red again", "tint again"})
+    lab.add(table, again,
+            again[0] == 'w'   ? "white"
+            : again[0] == 'r' ? "red"
+                              : "red: 1 + white: 9",
+            1, 0.002);
+  const auto theory = two_flux_theory(lab.surface);
+  JointSettings settings = JointSettings::plain();
+  for (const double stated : {0.001, 0.002, 0.008}) {
+    settings.noise = stated;
+    const ResidualReport r = JointFit(table, *theory, settings).residuals();
+    EXPECT_NEAR(r.values, 9 * 2 * 16, 1e-9);
+    EXPECT_NEAR(r.freedom, 9 * 2 * 16 - 2 * 3 * 16, 8) << stated;
+    EXPECT_NEAR(r.relative * stated, 0.002, 0.0003) << stated;
+  }
+}
+
+/// Repeats of one specimen over one card that scatter by 0.02 count less beside others than those that do not scatter.
+TEST(JointFit, RepeatsThatScatterCountLess) {
+  Workshop lab;
+  const auto opaque = [&](double reflectance, const std::string& specimen) {
+    Sample s;
+    s.name = s.specimen = specimen, s.paints = parse_recipe("white"), s.backing = "opaque";
+    s.values.assign(lab.nm.size(), reflectance);
+    return s;
+  };
+  const auto mean_of = [&](double scatter) {
+    SampleTable table{lab.nm, {}};
+    for (const double sign : {-1., 1.}) table.samples.push_back(opaque(0.8 + sign * scatter, "scattered"));
+    for (int i = 0; i < 2; ++i) table.samples.push_back(opaque(0.6, "steady"));
+    const auto theory = two_flux_theory({});
+    JointSettings settings = JointSettings::plain();
+    settings.noise = 0.01;
+    const JointFit fit(table, *theory, settings);
+    const Pigment& p = fit.palette().pigments[0];
+    return opaque_reflectance(p.k[0] / p.s[0]);
+  };
+  EXPECT_NEAR(mean_of(0), 0.7, 1e-3);
+  // Repeats of 0.8 -+ 0.02 deviate by sqrt(2) 0.02; weights are 1/(0.01^2 + 0.0008) and 1/0.01^2.
+  EXPECT_NEAR(mean_of(0.02), (0.8 / 9 + 0.6) / (1 / 9. + 1), 2e-3);
+}
+
 /// The palette of a fit mixes as the fit does: paints with unequal volumes per mass keep them.
 TEST(JointFit, ThePaletteMixesAsTheFit) {
   Workshop lab;

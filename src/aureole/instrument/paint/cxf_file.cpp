@@ -99,12 +99,22 @@ private:
 
   /// Geometry, specular component and aperture of a colour specification (GeometryChoice and Aperture of its
   /// MeasurementSpec).
-  pigment::Instrument instrument_of(const pugi::xml_node& specification) const {
+  pigment::Instrument instrument_of(const pugi::xml_node& specification) {
     pigment::Instrument result;
-    for (const pugi::xml_node& sphere : descendants(specification, "SphereGeometry")) {
-      result = pigment::instrument_called(sphere.text().get());
-      result.geometry = std::string_view(sphere.text().get()) == "Diffuse" ? "diffuse" : "d8";
-    }
+    for (const pugi::xml_node& sphere : descendants(specification, "SphereGeometry"))
+      result = sphere_of(sphere);
+    for (const pugi::xml_node& choice : descendants(specification, "GeometryChoice"))
+      for (const pugi::xml_node& child : choice.children()) {
+        const std::string name(local_name(child));
+        if (name.starts_with("Spher")) {
+          result = sphere_of(child);
+        } else if (!name.empty() && name != "SingleAngle" && name != "MultiAngle") {
+          const std::string note = "GeometryChoice has the element " + name +
+                                   ", which is not known; --geometry states the geometry";
+          if (std::find(table_.notes.begin(), table_.notes.end(), note) == table_.notes.end())
+            table_.notes.push_back(note);
+        }
+      }
     for (const pugi::xml_node& single : descendants(specification, "SingleAngle")) {
       const auto angle = [&](const char* name) {
         const auto found = descendants(single, name);
@@ -123,6 +133,22 @@ private:
            "measurements at several angles are of surfaces that vary with angle, which no paint here does");
     for (const pugi::xml_node& aperture : descendants(specification, "Aperture"))
       result.aperture = aperture.text().get();
+    return result;
+  }
+
+  /// An integrating sphere: words such as Specular_Included in the element or in those within, or the element
+  /// SpecularExclusion with true or false.
+  static pigment::Instrument sphere_of(const pugi::xml_node& sphere) {
+    std::string words = sphere.text().get();
+    for (const char* name : {"SphereGeometryConfiguration", "SphereConfiguration"})
+      for (const pugi::xml_node& found : descendants(sphere, name))
+        words += std::string(" ") + found.text().get();
+    for (const pugi::xml_attribute& attribute : sphere.attributes())
+      words += std::string(" ") + attribute.value();
+    pigment::Instrument result = pigment::instrument_called(words);
+    for (const pugi::xml_node& found : descendants(sphere, "SpecularExclusion"))
+      result.specular = found.text().as_bool() ? "excluded" : "included";
+    result.geometry = words == "Diffuse" ? "diffuse" : "d8";
     return result;
   }
 
@@ -186,7 +212,7 @@ private:
       } else if (name == "sample") {
         s.name = value;
       } else if (name == "backing" && !value.empty()) {
-        s.backing = value;
+        s.backing = value, s.states_backing = true;
       } else if (name == "series") {
         s.series = value;
       } else if (name == "specimen") {

@@ -10,10 +10,11 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
+#include "aureole/core/input_file.h"
 #include "aureole/instrument/paint/paint_files.h"
-#include "aureole/loading/values.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/text_table.h"
 #include "aureole/pigment/wavelength_interpolation.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
@@ -110,6 +111,49 @@ struct Lamp {
   std::vector<double> nm, power;
 };
 
+/// Reads a measured lamp: two columns, wavelength and power, with or without a line of headings.
+Lamp read_lamp(const std::string& file) {
+  std::vector<std::pair<double, double>> points;
+  double scale = 1;
+  try {
+    std::string text = pigment::utf8_text(read_table_file(file).str());
+    // A comment goes on to the end of its line.
+    for (std::size_t at = 0; (at = text.find('#', at)) != text.npos;)
+      text.erase(at, std::min(text.find('\n', at), text.size()) - at);
+    const std::vector<pigment::TextRow> rows = pigment::read_pairs(text, true);
+    for (const pigment::TextRow& row : rows) {
+      const bool is_pair = row.cells.size() == 2;
+      if (points.empty() && !pigment::finite_number(row.cells[0].text)) {  // headings
+        const std::string heading = pigment::lower_case(row.cells[0].text);
+        for (const char* micrometre : {"(um)", "[um]", "(µm)", "[µm]", "(μm)", "[μm]", "micron"})
+          if (heading.find(micrometre) != heading.npos) scale = 1000;
+        continue;
+      }
+      if (!is_pair)
+        throw pigment::TextError(row.line, 0,
+                                 "expected two columns, wavelength and power, as in the line\n    400,0.82");
+      const double nm = scale * pigment::number_of(row, 0), power = pigment::number_of(row, 1);
+      if (power < 0)
+        throw pigment::TextError(row.line, row.cells[1].column,
+                                 fmt::format("the power at {:g} nm is negative: {:g}", nm, power));
+      points.emplace_back(nm, power);
+    }
+  } catch (const pigment::TextError& e) {
+    throw Error({file, e.line(), e.column()}, e.what());
+  }
+  std::sort(points.begin(), points.end());
+  Lamp lamp;
+  for (const auto& [nm, power] : points) {
+    if (!lamp.nm.empty() && nm == lamp.nm.back())
+      throw Error({file, 0, 0}, fmt::format("the wavelength {:g} nm comes twice", nm));
+    lamp.nm.push_back(nm), lamp.power.push_back(power);
+  }
+  if (lamp.nm.empty() || lamp.nm.front() > 420 || lamp.nm.back() < 680)
+    throw Error({file, 0, 0},
+                "a lamp is measured at least from 420 to 680 nm, in two columns: wavelength and power");
+  return lamp;
+}
+
 Lamp lamp_called(const std::string& name) {
   if (const auto found = find_illuminant(name))
     return {{found->wavelengths_nm.begin(), found->wavelengths_nm.end()},
@@ -120,15 +164,7 @@ Lamp lamp_called(const std::string& name) {
         "unknown illuminant \"" + name + "\"" + did_you_mean(name, illuminant_names()) +
         ", and there is no file of that name; a measured lamp is a file of two columns, wavelength and "
         "power, as in the line\n    400,0.82");
-  const SpectrumLiteral read = read_spectrum_file(name);
-  for (std::size_t i = 0; i < read.nm.size(); ++i)
-    if (read.values[i] < 0)
-      throw Error({name, 0, 0},
-                  fmt::format("the power at {:g} nm is negative: {:g}", read.nm[i], read.values[i]));
-  if (read.nm.empty() || read.nm.front() > 420 || read.nm.back() < 680)
-    throw Error({name, 0, 0},
-                "a lamp is measured at least from 420 to 680 nm, in two columns: wavelength and power");
-  return {read.nm, read.values};
+  return read_lamp(name);
 }
 
 /// The name of an illuminant as the tables have it, of a name in any case.

@@ -106,7 +106,7 @@ pigment::SampleTable sample_document(const Item& document) {
     s.name = item.has("sample")     ? item.at("sample").text()
              : s.paints.size() == 1 ? s.paints[0].name
                                     : pigment::recipe_text(s.paints);
-    if (item.has("backing")) s.backing = item.at("backing").text();
+    if (item.has("backing")) s.backing = item.at("backing").text(), s.states_backing = true;
     if (item.has("series")) s.series = item.at("series").text();
     if (item.has("specimen")) s.specimen = item.at("specimen").text();
     if (item.has("thickness_um")) {
@@ -170,13 +170,25 @@ std::string kind_of(const std::string& file, const std::string& text) {
   return "csv";
 }
 
+/// Throws Error for workbooks, which begin as ZIP archives or compound documents do.
+void refuse_spreadsheet(const std::string& file, const std::string& bytes) {
+  const bool is_archive = bytes.starts_with("PK\x03\x04"),
+             is_compound = bytes.starts_with("\xD0\xCF\x11\xE0");
+  if (is_archive || is_compound)
+    throw Error({file, 0, 0},
+                "is a spreadsheet (.xlsx, .ods, .xls), which aureole.pigment in Python reads (pip install "
+                "'aureole[spreadsheet]'); for this command save its sheet as text (.csv)");
+}
+
 }  // namespace
 
 pigment::SampleTable read_sample_file(const std::string& file, pigment::Recipes recipes) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
   std::vector<std::string> of_text;
-  const std::string text = pigment::utf8_text(read_table_file(file).str(), &of_text);
+  const std::string bytes = read_table_file(file).str();
+  refuse_spreadsheet(file, bytes);
+  const std::string text = pigment::utf8_text(bytes, &of_text);
   const std::string kind = kind_of(file, text);
   if (kind == "json") {
     table = read_json_samples(file);
@@ -191,7 +203,7 @@ pigment::SampleTable read_sample_file(const std::string& file, pigment::Recipes 
     }
     table.notes.insert(table.notes.begin(), of_text.begin(), of_text.end());
   }
-  located_in(file, table, [&] { return pigment::check(table), 0; });
+  located_in(file, table, [&] { return pigment::check(table), pigment::settle_backings(table), 0; });
   return table;
 }
 
@@ -217,6 +229,12 @@ pigment::SampleTable read_sample_files(const std::vector<std::string>& files) {
       throw Error({file, 0, 0},
                   "was measured at another geometry than " + files.front() +
                       "; one fit has one geometry: convert one of them (aureole pigment colour)");
+    } else if (one.instrument.aperture != all.instrument.aperture) {
+      const auto aperture = [](const pigment::SampleTable& t) {
+        return t.instrument.aperture.empty() ? std::string("not stated") : t.instrument.aperture;
+      };
+      all.notes.push_back(file + ": the aperture is " + aperture(one) + ", that of " + files.front() + " " +
+                          aperture(all) + ": translucent layers lose more light at the edge of a small one");
     }
     const std::string stem = std::filesystem::path(file).stem().string();
     const auto is_own = [&](const std::string& card) {
@@ -253,6 +271,7 @@ pigment::SampleTable read_sample_files(const std::vector<std::string>& files) {
     }
     all.samples.insert(all.samples.end(), renamed.begin(), renamed.end());
   }
+  pigment::match_card_names(all);
   return all;
 }
 
@@ -293,6 +312,7 @@ json palette_json(const pigment::Palette& palette) {
       {"wavelengths_nm", palette.nm},
       {"pigments", json::array()}};
   if (palette.by_volume) out["mixing"] = "volume";
+  out["theory"] = palette.by_streams ? "streams" : "two fluxes";
   for (const pigment::Pigment& p : palette.pigments) {
     json one = {{"name", p.name}, {"k", p.k}, {"s", p.s}};
     if (!p.k_error.empty()) one["k_error"] = p.k_error, one["s_error"] = p.s_error;
