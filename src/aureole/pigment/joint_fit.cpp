@@ -119,35 +119,50 @@ int JointFit::iterations() const { return system_->iterations_; }
 bool JointFit::converged() const { return system_->converged_; }
 
 std::vector<UnknownPaint> JointFit::unknown_paints() const {
+  // Thicknesses that differ by less are not told apart by their stated errors, and cards that differ by less are alike.
+  constexpr double kThicker = 0.1, kAlike = 0.05;
   const JointSystem& s = *system_;
-  const std::vector<std::string> alike = over_equal_cards();
-  /// Measurements of a paint alone: films by thickness and card, each with another dependence on K and S.
+  /// A paint's measurements alone. Films that differ in thickness or card depend in different ways on K and S.
+  struct Film {
+    double ln_thickness = 0;
+    const JointSystem::Row* row = nullptr;
+  };
   struct Evidence {
     bool is_told = false, has_opaque = false;
-    std::set<std::pair<double, std::string>> films;
+    std::vector<Film> films;
+  };
+  const auto differ = [&](const Film& a, const Film& b) {
+    if (std::abs(a.ln_thickness - b.ln_thickness) > kThicker) return true;
+    if (a.row->card >= 0 || b.row->card >= 0) return a.row->card != b.row->card;
+    double difference = 0;
+    for (std::size_t l = 0; l < s.wavelengths_; ++l)
+      difference += std::abs(a.row->substrate[l] - b.row->substrate[l]) / double(s.wavelengths_);
+    return difference > kAlike;
   };
   std::vector<Evidence> all(s.names_.size());
-  for (const JointSystem::Specimen& specimen : s.specimens_) {
-    const bool has_equal_cards = std::find(alike.begin(), alike.end(), specimen.name) != alike.end();
+  for (const JointSystem::Specimen& specimen : s.specimens_)
     for (const JointSystem::Part& part : specimen.parts) {
       Evidence& paint = all[std::size_t(part.paint)];
       if (specimen.parts.size() > 1) paint.is_told = true;
       for (const std::size_t r : specimen.rows) {
         const JointSystem::Row& row = s.rows_[r];
-        const Sample& sample = s.table_.samples[row.sample];
         if (row.kind == JointSystem::Row::Kind::opaque)
           paint.has_opaque = true;
         else if (row.kind == JointSystem::Row::Kind::over)
-          paint.films.emplace(s.metric_ ? sample.thickness : 0, has_equal_cards ? "" : sample.backing);
+          paint.films.push_back({specimen.ln_thickness, &row});
         else
           paint.is_told = true;
       }
     }
-  }
   std::vector<UnknownPaint> unknown;
-  for (std::size_t p = 0; p < all.size(); ++p)
-    if (!all[p].is_told && all[p].films.size() + (all[p].has_opaque ? 1 : 0) < 2)
-      unknown.push_back({s.names_[p], all[p].has_opaque});
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    const Evidence& e = all[p];
+    // The first film and another one that differs from it are two equations; so are an opaque layer and a film.
+    const bool two_films = std::any_of(e.films.begin(), e.films.end(),
+                                       [&](const Film& film) { return differ(film, e.films.front()); });
+    if (!e.is_told && !two_films && !(e.has_opaque && !e.films.empty()))
+      unknown.push_back({s.names_[p], e.has_opaque});
+  }
   return unknown;
 }
 

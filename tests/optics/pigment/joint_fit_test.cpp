@@ -10,6 +10,7 @@
 #include <cmath>
 #include <random>
 #include <sstream>
+#include <tuple>
 
 #include "aureole/optics/stack/plane_stack.h"
 #include "aureole/pigment/hold_out.h"
@@ -399,6 +400,43 @@ TEST(JointFit, ACardThatWasNotMeasuredIsAnUnknown) {
   const auto notes = joint_notes(JointFit(alike, *theory, settings));
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("tell nothing of transmission"), std::string::npos);
+}
+
+/// Two measurements that depend on K and S in different ways tell them apart; less does not.
+TEST(JointFit, WhatTellsAPaint) {
+  Workshop lab;
+  const auto unknown = [&](const std::vector<std::tuple<std::string, double, std::string>>& films) {
+    SampleTable table{lab.nm, {}};
+    for (const auto& [name, inner] : {std::pair{"dark", 0.05}, {"light", 0.8}, {"bright", 0.82}})
+      lab.add_card(table, name, inner);
+    for (const auto& [backing, thickness, recipe] : films) {
+      Sample s;
+      s.name = recipe + " over " + backing, s.specimen = std::to_string(table.samples.size());
+      s.paints = parse_recipe(recipe), s.backing = backing, s.thickness = 1e-6 * thickness;
+      for (const double l : lab.nm)
+        s.values.push_back(backing == "opaque"
+                               ? 0.3
+                               : lab.reflectance(s.paints, l, thickness > 0 ? thickness / 20 : 1,
+                                                 backing == "dark" ? 0.05 : 0.8));
+      table.samples.push_back(s);
+    }
+    const auto theory = two_flux_theory(lab.surface);
+    JointFit fit(table, *theory);
+    const std::vector<UnknownPaint> all = fit.unknown_paints();
+    fit.with_errors();
+    const Pigment& red = fit.palette().pigments[*fit.palette().find("red")];
+    const bool is_wide = red.k_error[0] > 100 * red.k[0] && red.s_error[0] > 100 * red.s[0];
+    EXPECT_EQ(is_wide, !all.empty() && !all[0].ratio_is_known);
+    return all.empty() ? "" : all[0].name + (all[0].ratio_is_known ? ": K/S" : ": nothing");
+  };
+  EXPECT_EQ(unknown({{"dark", 20, "red"}}), "red: nothing");
+  EXPECT_EQ(unknown({{"dark", 20, "red"}, {"dark", 20.5, "red"}}), "red: nothing");
+  EXPECT_EQ(unknown({{"light", 20, "red"}, {"bright", 20, "red"}}), "red: nothing");
+  EXPECT_EQ(unknown({{"opaque", 0, "red"}}), "red: K/S");
+  EXPECT_EQ(unknown({{"opaque", 0, "red"}, {"dark", 20, "red"}}), "");
+  EXPECT_EQ(unknown({{"dark", 20, "red"}, {"light", 20, "red"}}), "");
+  EXPECT_EQ(unknown({{"dark", 20, "red"}, {"dark", 40, "red"}}), "");
+  EXPECT_EQ(unknown({{"dark", 20, "red"}, {"dark", 20, "red: 1 + white: 1"}, {"light", 20, "white"}}), "");
 }
 
 /// Films that streams make, with grains of other g than the fit assumes, and noise: a mixture that no fit has seen.
