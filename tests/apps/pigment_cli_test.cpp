@@ -829,8 +829,9 @@ TEST_F(PigmentCli, WhatAJointFitNotes) {
   ASSERT_EQ(run("fit t.csv --joint --theory two-flux --g-error 0.2"), 0) << said;
   EXPECT_NE(said.find("--g-error: has no effect on two fluxes"), std::string::npos) << said;
   ASSERT_EQ(run("fit t.csv --joint --specular included --white blanc"), 0) << said;
-  for (const char* part : {"interface: none", "two fluxes:", "(in the palette: mix and match use two fluxes)",
-                           "--specular: has no effect", "--white: no paint of t.csv is called \"blanc\""})
+  for (const char* part :
+       {"interface: none", "two fluxes:", "(in the palette: match, hide and the BSDF use two fluxes)",
+        "--specular: has no effect", "--white: no paint of t.csv is called \"blanc\""})
     EXPECT_NE(said.find(part), std::string::npos) << part << "\n" << said;
   ASSERT_EQ(run("mix p.csv white --substrate 0.5"), 0) << said;
   EXPECT_NE(said.find("--substrate: has no effect without --thickness"), std::string::npos) << said;
@@ -856,13 +857,26 @@ TEST_F(PigmentCli, AStreamsPaletteSaysSo) {
   EXPECT_EQ(json("t.json")["theory"], "two fluxes");
   const std::string note =
       "note: streams.csv: K and S were fitted by streams; two fluxes, which are used here";
-  for (const char* command : {"mix streams.csv white", "match streams.csv 'lab(60,20,10)'",
+  for (const char* command : {"mix streams.csv white --k1 0.04 --k2 0.6", "match streams.csv 'lab(60,20,10)'",
                               "hide streams.csv white --thickness 1"}) {
     ASSERT_EQ(run(command), 0) << said;
     EXPECT_NE(said.find(note), std::string::npos) << command << "\n" << said;
     ASSERT_EQ(run(replaced(command, "streams.csv", "two.csv")), 0) << said;
     EXPECT_EQ(said.find("fitted by streams"), std::string::npos) << command << "\n" << said;
   }
+  // `mix` predicts by the theory of the palette; that of the fit is within its residuals of the measured tint.
+  ASSERT_EQ(run("mix streams.csv 'white: 9 + red: 1' --thickness 1 --substrate 0.8 --json m.json"), 0)
+      << said;
+  EXPECT_NE(said.find("1 thick over 0.8, by streams"), std::string::npos) << said;
+  EXPECT_EQ(said.find("fitted by streams"), std::string::npos) << said;
+  EXPECT_EQ(json("m.json")["theory"], "streams");
+  for (const auto& [index, measured] : {std::pair{0, 0.5}, {1, 0.6}, {2, 0.8}})
+    EXPECT_NEAR(json("m.json")["reflectance"][std::size_t(index)].get<double>(), measured, 0.05);
+  ASSERT_EQ(run("mix streams.csv red --geometry d8 --specular included --json m.json"), 0) << said;
+  const double included = json("m.json")["reflectance"][0];
+  ASSERT_EQ(run("mix streams.csv red --geometry d8 --specular excluded --json m.json"), 0) << said;
+  // Gloss of an index of 1.5 at 8 degrees.
+  EXPECT_NEAR(included - json("m.json")["reflectance"][0].get<double>(), 0.04, 1e-3);
   write("wrong.csv", "unit,film\ntheory,three fluxes\nnm,a K,a S\n400,0.1,1\n700,0.1,1\n");
   fails("mix wrong.csv a", "wrong.csv:2:8: theory must be \"two fluxes\" or streams, got \"three fluxes\"");
 }

@@ -312,7 +312,7 @@ void JointOptions::declare(CommandOptions& options) {
       .add(
           "--theory", theory,
           "with --joint: two-flux, streams, or best: both are fitted and compared, and the palette is that of two-flux, which "
-          "mix and match use")
+          "match, hide and the BSDF use")
       .one_of({"two-flux", "streams", "best"})
       .shows_default();
   options
@@ -406,13 +406,13 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
           table, pigment::hold_out_plain(table, *two, groups, white, options.black, for_ranges), lamp);
     }
     // A smaller sum of squares alone does not tell that a theory predicts better; two fluxes come first, and they
-    // are what `mix` and `match` use.
+    // are what `match` uses.
     Candidate& best =
         !keeps_back
             ? candidates.front()
             : *std::min_element(candidates.begin(), candidates.end(),
                                 [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
-    // `mix`, `match`, `hide` and the BSDF use two fluxes, which predict worse with the K and S of streams.
+    // `match`, `hide` and the BSDF use two fluxes, which predict worse with the K and S of streams.
     Candidate& written = candidates.front();
     written.fit->with_errors();
     pigment::Palette palette = written.fit->palette();
@@ -436,7 +436,7 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
           *std::max_element(rms.begin(), rms.end()),
           fmt::format("{}{}", &c == &best && keeps_back && candidates.size() > 1 ? " (predicts better)" : "",
                       &c == &written && candidates.size() > 1
-                          ? " (in the palette: mix and match use two fluxes)"
+                          ? " (in the palette: match, hide and the BSDF use two fluxes)"
                           : ""));
       out["theories"][c.name] = {{"cost", c.fit->cost()},
                                  {"median_rms_percent", median(rms)},
@@ -445,8 +445,8 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
     }
     if (written.name == "streams")
       fmt::print(
-          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g). `mix`, `match` and `hide` use two fluxes, which predict worse "
-          "with them than with those of --theory two-flux.\n");
+          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g). `mix` predicts by streams with them; `match`, `hide` and the BSDF use "
+          "two fluxes, which predict worse with them than with those of --theory two-flux.\n");
     print_paints(*written.fit, out);
     print_specimens(table, *written.fit, out);
     print_residuals(*written.fit, options.settings, out);

@@ -238,7 +238,7 @@ int fit(FitOptions o) {
     fmt::print("interface: {}\n", surface.text());
     const auto [palette, ratio_error] =
         fit_jointly(o.samples, table, o.joint, surface, o.white, o.light.viewing(), out);
-    if (!palette.by_streams) note_thin_films(o, table, palette);
+    if (!palette.streams) note_thin_films(o, table, palette);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
     if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
     write_plots(o, palette, observe(o.light.viewing(), palette.nm), ratio_error);

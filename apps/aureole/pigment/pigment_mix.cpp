@@ -5,12 +5,14 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
+#include "aureole/core/parallel.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
-#include "messages.h"
+#include "aureole/pigment/streams_mixture.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
@@ -40,37 +42,57 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
+/// The palette with the interface that options state, in its streams.
+pigment::Palette with_interface(pigment::Palette palette, const SurfaceOptions& surface) {
+  if (!surface.given()) return palette;
+  pigment::PaletteStreams& s = *palette.streams;
+  s.index = surface.geometry == "none" ? 1 : surface.index;
+  if (surface.geometry != "none")
+    s.geometry = pigment::geometry_called(surface.geometry), s.specular = surface.light();
+  return palette;
+}
+
 int mix(const MixOptions& o) {
   o.surface.note_unused();
-  const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
+  // Streams have a smooth interface of an index.
+  const bool may_be_streams = o.surface.k1 < 0 && o.surface.k2 < 0 && o.surface.alpha == 0;
+  const pigment::Palette palette = usable_palette(o.layer.palette, o.surface, may_be_streams);
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
   const double thickness = thickness_for(palette, o.layer.thickness);
   note_substrate(o.substrate, o.layer.thickness);
   const double substrate[] = {o.substrate};
   const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
+  std::optional<pigment::StreamsMixture> streams;
+  if (palette.streams && may_be_streams) streams.emplace(with_interface(palette, o.surface), for_ranges);
   const auto reflectance = [&](const std::vector<double>& f) {
+    if (streams) return streams->reflectance(f, thickness, substrate);
     return pigment::paint_reflectance(pigment::mix(palette, f), thickness, substrate, palette.surface);
   };
   const pigment::Paint paint = pigment::mix(palette, fractions);
   const std::vector<double> mixed = reflectance(fractions);
-  note_two_flux_doubt(palette, paint, thickness, o.substrate, o.surface.index, lamp, "this layer");
+  if (!streams)
+    note_two_flux_doubt(palette, paint, thickness, o.substrate, o.surface.index, lamp, "this layer");
 
   fmt::print(
-      "{}\n{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
+      "{}\n{}{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
       std::isinf(thickness) ? "opaque" : fmt::format("{} thick over {:g}", o.layer.thickness, o.substrate),
-      o.layer.light.viewing(), colour_text(lamp, mixed));
+      streams ? ", by streams" : "", o.layer.light.viewing(), colour_text(lamp, mixed));
   fmt::print("{:>8} {:>12} {:>12} {:>9} {:>9}\n", "nm", palette.relative ? "K, relative" : "K, 1/m",
              palette.relative ? "S, relative" : "S, 1/m", "R inner", "R");
   double next = palette.nm.front();
   for (std::size_t i = 0; i < palette.nm.size(); ++i) {
     if (palette.nm[i] < next) continue;
     while (next <= palette.nm[i]) next += o.step;
-    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:9.5f} {:9.5f}\n", palette.nm[i], paint[i].k, paint[i].s,
-               pigment::inner_reflectance(palette.surface, mixed[i]), mixed[i]);
+    // By streams light below the interface is not diffuse: no number stands for its reflectance.
+    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:>9} {:9.5f}\n", palette.nm[i], paint[i].k, paint[i].s,
+               streams ? "-" : fmt::format("{:.5f}", pigment::inner_reflectance(palette.surface, mixed[i])),
+               mixed[i]);
   }
-  nlohmann::json out = {
-      {"recipe", nlohmann::json::object()}, {"wavelengths_nm", palette.nm}, {"reflectance", mixed}};
+  nlohmann::json out = {{"theory", streams ? "streams" : "two fluxes"},
+                        {"recipe", nlohmann::json::object()},
+                        {"wavelengths_nm", palette.nm},
+                        {"reflectance", mixed}};
   for (const auto& c : components_of(palette, fractions)) out["recipe"][c.name] = c.fraction;
   for (const auto& c : paint) out["k"].push_back(c.k), out["s"].push_back(c.s);
   const pigment::Lab lab = lamp.lab(mixed);

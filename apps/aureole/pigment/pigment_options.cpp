@@ -187,11 +187,12 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add("--json", json, "also write the results to this file").names_output();
 }
 
-pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface) {
+pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface,
+                                bool predicts_by_streams) {
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
     tell("note: {}: {} negative values of K and S count as zero\n", file, count);
-  if (const std::string note = pigment::theory_note(palette); !note.empty())
+  if (const std::string note = pigment::theory_note(palette); !note.empty() && !predicts_by_streams)
     tell("note: {}: {}\n", file, note);
   if (surface.given()) palette.surface = surface.surface();
   return palette;

@@ -70,8 +70,9 @@ struct LayerOfPaint {
 };
 
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
-/// if one is given. What options of the interface have no effect is for the caller to note.
-pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
+/// if one is given. Notes K and S by streams, unless the caller predicts by them. What options of the interface have no effect is for the caller to note.
+pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface,
+                                bool predicts_by_streams = false);
 
 /// Notes where two fluxes are expected to be off by a visible colour difference for a layer (`two_flux_doubt`). `whose`
 /// names the layer: "this layer". `index` is that of the binder, where the palette has an interface.

@@ -151,6 +151,8 @@ public:
     return settings_.varies_g ? std::optional(settings_.g) : std::nullopt;
   }
 
+  std::optional<StreamsSettings> streams() const override { return settings_; }
+
   double card(double measured) const override {
     const double body = std::max(0.0, measured - gloss_);
     return std::min(1.0, body / (bare_ + bare_inside_ * body));

@@ -15,6 +15,17 @@
 
 namespace aureole::pigment {
 
+/// The interface and the phase function of the theory by streams.
+struct StreamsSettings {
+  double index = 1.5;  ///< of the binder, relative to air
+  double g = 0.8;      ///< mean cosine of Henyey and Greenstein's phase function
+  Geometry geometry = Geometry::diffuse_8;
+  Specular specular = Specular::excluded;
+  int streams = 16;
+  /// Whether layers may have mean cosines of their own (`FilmLayer::g_shift`).
+  bool varies_g = false;
+};
+
 /// A measured reflectance or transmittance by a theory, and its derivatives.
 struct FilmValue {
   double value = 0;
@@ -40,6 +51,8 @@ public:
   virtual double card(double measured) const = 0;
   /// The theory's own mean cosine g0, if layers may have another one (`FilmLayer::g_shift`).
   virtual std::optional<double> mean_cosine() const { return std::nullopt; }
+  /// The settings of a theory by streams.
+  virtual std::optional<StreamsSettings> streams() const { return std::nullopt; }
   /// A film over a card of this inner reflectance.
   virtual FilmValue over(const FilmLayer& layer, double substrate) const = 0;
   /// A layer so thick that nothing below it matters; of K and S only K/S counts.
@@ -52,17 +65,6 @@ public:
 
 /// Kubelka and Munk's two fluxes under a Saunderson interface.
 std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface);
-
-/// The interface and the phase function of the theory by streams.
-struct StreamsSettings {
-  double index = 1.5;  ///< of the binder, relative to air
-  double g = 0.8;      ///< mean cosine of Henyey and Greenstein's phase function
-  Geometry geometry = Geometry::diffuse_8;
-  Specular specular = Specular::excluded;
-  int streams = 16;
-  /// Whether layers may have mean cosines of their own (`FilmLayer::g_shift`).
-  bool varies_g = false;
-};
 
 /// Radiative transfer by discrete ordinates (optics/stack). Solutions are tabulated once over ln K and ln S
 /// (some 0.5 s) and interpolated by cubic polynomials, with an error below 1e-4 in reflectance. With `varies_g`

@@ -42,11 +42,14 @@ JointFit::JointFit(const SampleTable& table, const FilmTheory& theory, const Joi
   const JointSystem& s = *system_;
   palette_.nm = table.nm;
   palette_.relative = palette_.per_film = !s.metric_;
-  palette_.by_volume = true, palette_.by_streams = theory.name() == "streams";
+  palette_.by_volume = true;
+  if (const auto by = theory.streams())
+    palette_.streams = {.index = by->index, .g = by->g, .geometry = by->geometry, .specular = by->specular};
   for (int p = 0; p < s.paints(); ++p) {
     Pigment& pigment = palette_.pigments.emplace_back();
     pigment.name = s.names_[std::size_t(p)];
     pigment.density = std::exp(-s.border_[s.volume_unknown(p)]);
+    if (s.has_g()) pigment.g = s.mean_cosine(p);
     for (std::size_t l = 0; l < table.nm.size(); ++l) {
       pigment.k.push_back(std::exp(s.chain_(s.paint_unknown(p, 0), Eigen::Index(l))) / s.unit_);
       pigment.s.push_back(std::exp(s.chain_(s.paint_unknown(p, 1), Eigen::Index(l))) / s.unit_);

@@ -21,7 +21,7 @@ std::vector<std::string> Palette::names() const {
 }
 
 std::string theory_note(const Palette& palette) {
-  if (!palette.by_streams) return {};
+  if (!palette.streams) return {};
   return "K and S were fitted by streams; two fluxes, which are used here, predict worse with them than with those of "
          "aureole pigment fit --joint --theory two-flux";
 }

@@ -21,6 +21,17 @@ struct Pigment {
   std::vector<double> k_error = {}, s_error = {};  ///< standard errors; empty: unknown
   double density = 0;  ///< mass per volume, in one unit for all paints; 0: unknown. Recipes by volume need
                        ///< it, and mixtures in a palette that mixes by volume.
+  std::optional<double> g =
+      {};  ///< mean cosine of scattering of this paint, where streams were fitted with one for each
+};
+
+/// The theory by streams (film_theory.h) that K = 2 sigma_a and S = 3/4 sigma_s (1 - g) of a palette belong to.
+struct PaletteStreams {
+  double index = 1.5;  ///< of the binder, relative to air
+  double g = 0.8;      ///< mean cosine of scattering in paints that have none of their own
+  Geometry geometry = Geometry::diffuse_8;
+  Specular specular = Specular::excluded;
+  bool operator==(const PaletteStreams&) const = default;
 };
 
 /// Paints that can be mixed with each other: common wavelengths, unit and binder.
@@ -31,10 +42,9 @@ struct Palette {
                          ///< Otherwise they are per metre.
   bool per_film = false;  ///< with `relative`: K and S are per thickness of the films that were measured, and
                           ///< thickness counts in films
-  bool by_streams =
-      false;  ///< K = 2 sigma_a and S = 3/4 sigma_s (1 - g) were fitted by streams (film_theory.h)
   bool by_volume = false;  ///< K and S add up by volume rather than by mass; all pigments have a density
   Surface surface = {};    ///< between the binder and air, for the instrument of the measurements
+  std::optional<PaletteStreams> streams = {};  ///< if K and S were fitted by streams; otherwise by two fluxes
 
   std::optional<std::size_t> find(std::string_view name) const;
   std::vector<std::string> names() const;

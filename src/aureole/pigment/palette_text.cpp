@@ -33,6 +33,19 @@ Pigment& named(Palette& palette, const std::string& name) {
   return palette.pigments.emplace_back(Pigment{.name = name, .k = {}, .s = {}});
 }
 
+/// Mean cosines that the theory by streams takes.
+constexpr double kLargestCosine = 0.95;
+
+/// The value of a line with a key.
+double number_within(const TextRow& row, double least, double most) {
+  const double value = number_of(row, 1);
+  if (!(value >= least && value <= most))
+    throw TextError(row.line, row.cells[1].column,
+                    row.cells[0].text + " must be in [" + exact(least) + ", " + exact(most) + "], got " +
+                        row.cells[1].text);
+  return value;
+}
+
 }  // namespace
 
 std::string palette_text(const Palette& palette) {
@@ -40,10 +53,15 @@ std::string palette_text(const Palette& palette) {
   out << "unit," << unit_name(palette) << "\nsurface seen," << exact(palette.surface.seen)
       << "\nsurface through," << exact(palette.surface.through) << "\nsurface k2,"
       << exact(palette.surface.k2) << "\n";
-  if (palette.by_streams) out << "theory,streams\n";
+  if (const auto& s = palette.streams)
+    out << "theory,streams\nstreams index," << exact(s->index) << "\nstreams g," << exact(s->g)
+        << "\nstreams geometry," << name_of(s->geometry) << "\nstreams specular," << name_of(s->specular)
+        << "\n";
   if (palette.by_volume) out << "mixing,volume\n";
   for (const Pigment& p : palette.pigments)
     if (p.density > 0) out << cell("density " + p.name) << "," << exact(p.density) << "\n";
+  for (const Pigment& p : palette.pigments)
+    if (p.g) out << cell("g " + p.name) << "," << exact(*p.g) << "\n";
   std::vector<const std::vector<double>*> columns;
   out << "nm";
   for (const Pigment& p : palette.pigments)
@@ -65,6 +83,9 @@ Palette read_palette(std::istream& text) {
   const std::vector<TextRow> rows = read_text_table(text);
   Palette palette;
   std::vector<std::pair<std::string, double>> densities;
+  std::vector<std::pair<std::string, double>> cosines;
+  PaletteStreams streams;
+  bool is_by_streams = false;
   std::size_t at = 0;
   for (; at < rows.size() && rows[at].cells[0].text != "nm"; ++at) {
     const TextRow& row = rows[at];
@@ -94,16 +115,36 @@ Palette read_palette(std::istream& text) {
       if (theory != "two fluxes" && theory != "streams")
         throw TextError(row.line, row.cells[1].column,
                         "theory must be \"two fluxes\" or streams, got \"" + theory + "\"");
-      palette.by_streams = theory == "streams";
+      is_by_streams = theory == "streams";
+    } else if (key == "streams index") {
+      streams.index = number_within(row, 1, 4);
+    } else if (key == "streams g") {
+      streams.g = number_within(row, -kLargestCosine, kLargestCosine);
+    } else if (key == "streams geometry") {
+      const std::string& name = row.cells[1].text;
+      streams.geometry = geometry_called(name);
+      if (name_of(streams.geometry) != name)
+        throw TextError(row.line, row.cells[1].column,
+                        "streams geometry must be diffuse, d8 or 45_0, got \"" + name + "\"");
+    } else if (key == "streams specular") {
+      const std::string& name = row.cells[1].text;
+      if (name != "included" && name != "excluded")
+        throw TextError(row.line, row.cells[1].column,
+                        "streams specular must be included or excluded, got \"" + name + "\"");
+      streams.specular = name == "included" ? Specular::included : Specular::excluded;
+    } else if (key.starts_with("g ")) {
+      cosines.emplace_back(key.substr(2), number_within(row, -kLargestCosine, kLargestCosine));
     } else if (key.starts_with("density ")) {
       densities.emplace_back(key.substr(8), number_of(row, 1));
     } else {
       throw TextError(row.line, row.cells[0].column,
                       "unknown key \"" + key +
                           "\"; a palette begins with unit, surface seen, surface through, surface k2, "
-                          "theory, mixing or density, and then a line of headings from \"nm\" on");
+                          "theory, streams index, streams g, streams geometry, streams "
+                          "specular, mixing, density or g, and then a line of headings from \"nm\" on");
     }
   }
+  if (is_by_streams) palette.streams = streams;
   if (at == rows.size()) throw TextError(0, 0, "there is no line of headings that begins with \"nm\"");
   const TextRow& header = rows[at];
   std::vector<std::pair<std::string, std::vector<double> Pigment::*>> columns;
@@ -137,6 +178,10 @@ Palette read_palette(std::istream& text) {
   for (const auto& [name, density] : densities) {
     if (!palette.find(name)) throw TextError(0, 0, "a density is that of an unknown paint \"" + name + "\"");
     named(palette, name).density = density;
+  }
+  for (const auto& [name, g] : cosines) {
+    if (!palette.find(name)) throw TextError(0, 0, "a g is that of an unknown paint \"" + name + "\"");
+    named(palette, name).g = g;
   }
   try {
     check(palette);

@@ -64,6 +64,22 @@ Geometry geometry_called(std::string_view name) {
                            : Geometry::diffuse_8;
 }
 
+std::string_view name_of(Geometry geometry) {
+  switch (geometry) {
+    case Geometry::diffuse_diffuse:
+      return "diffuse";
+    case Geometry::diffuse_8:
+      return "d8";
+    case Geometry::angle_45_0:
+      return "45_0";
+  }
+  throw std::logic_error("no such geometry");
+}
+
+std::string_view name_of(Specular specular) {
+  return specular == Specular::included ? "included" : "excluded";
+}
+
 Surface smooth_surface(double index, Geometry geometry, Specular specular) {
   check_index(index);
   const double k2 = optics::fresnel_diffuse_reflectance(1 / index), inside = 1 / (index * index);

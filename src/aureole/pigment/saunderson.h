@@ -33,6 +33,10 @@ enum class Geometry {
 };
 /// The geometry called "diffuse", "d8" or "45_0".
 Geometry geometry_called(std::string_view name);
+/// "diffuse", "d8" or "45_0".
+std::string_view name_of(Geometry geometry);
+/// "included" or "excluded".
+std::string_view name_of(Specular specular);
 
 /// A smooth interface to a binder of relative index n >= 1. k2 is the integral of the Fresnel reflectance for
 /// diffuse light from inside (0.5963 for 1.5). For measurement along a direction, the layer's radiance is

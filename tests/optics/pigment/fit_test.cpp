@@ -268,16 +268,20 @@ TEST(PigmentRecipe, PartsAndPerCent) {
 
 TEST(PaletteText, ComesBack) {
   Palette p = kimera_fit().palette;
-  p.pigments[2].density = 1234.5, p.by_streams = true;
+  p.pigments[2].density = 1234.5, p.pigments[1].g = 0.7;
+  p.streams = PaletteStreams{
+      .index = 1.48, .g = 0.6, .geometry = Geometry::angle_45_0, .specular = Specular::included};
   std::istringstream text(palette_text(p));
   const Palette back = read_palette(text);
   EXPECT_EQ(back.nm, p.nm);
   EXPECT_EQ(back.surface.through, p.surface.through);
   EXPECT_EQ(back.pigments[2].density, 1234.5);
-  EXPECT_TRUE(back.by_streams);
-  p.by_streams = false;
+  EXPECT_EQ(back.streams, p.streams);
+  EXPECT_EQ(back.pigments[1].g, 0.7);
+  EXPECT_FALSE(back.pigments[0].g);
+  p.streams.reset();
   std::istringstream by_two_fluxes(palette_text(p));
-  EXPECT_FALSE(read_palette(by_two_fluxes).by_streams);
+  EXPECT_FALSE(read_palette(by_two_fluxes).streams);
   for (std::size_t i = 0; i < p.pigments.size(); ++i) {
     EXPECT_EQ(back.pigments[i].name, p.pigments[i].name);
     EXPECT_EQ(back.pigments[i].k, p.pigments[i].k);
@@ -285,7 +289,9 @@ TEST(PaletteText, ComesBack) {
   }
   for (const char* wrong :
        {"", "unit,furlong\nnm,a K,a S\n500,1,1\n", "nm,a K\n500,1\n", "nm,a K,a S,a Q\n500,1,1,1\n",
-        "nm,a K,a S\n500,1\n", "colour,red\nnm,a K,a S\n500,1,1\n", "density b,1\nnm,a K,a S\n500,1,1\n"}) {
+        "theory,streams\nstreams g,1\nnm,a K,a S\n500,1,1\n", "g b,0.5\nnm,a K,a S\n500,1,1\n",
+        "streams geometry,45/0\nnm,a K,a S\n500,1,1\n", "nm,a K,a S\n500,1\n",
+        "colour,red\nnm,a K,a S\n500,1,1\n", "density b,1\nnm,a K,a S\n500,1,1\n"}) {
     std::istringstream stream(wrong);
     EXPECT_THROW(read_palette(stream), TextError) << wrong;
   }

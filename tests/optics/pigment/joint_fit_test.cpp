@@ -16,10 +16,12 @@
 #include "aureole/pigment/hold_out.h"
 #include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/match.h"
+#include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/normal_chain.h"
 #include "aureole/pigment/observation.h"
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
+#include "aureole/pigment/streams_mixture.h"
 
 namespace aureole::pigment {
 namespace {
@@ -400,6 +402,46 @@ TEST(JointFit, ACardThatWasNotMeasuredIsAnUnknown) {
   const auto notes = joint_notes(JointFit(alike, *theory, settings));
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("tell nothing of transmission"), std::string::npos);
+}
+
+/// A palette by streams, as a file, predicts by streams what the fit predicts: with equal mean cosines and with one for
+/// each paint, of films and of opaque layers. By two fluxes it does not.
+TEST(JointFit, APaletteByStreamsPredictsAsTheFit) {
+  Workshop lab;
+  lab.volumes = {0.5, 1.6, 1.2};
+  const SampleTable table = lab.table(0);
+  for (const double spread : {0.0, 0.3}) {
+    const auto theory = streams_theory({.g = 0.7, .varies_g = spread > 0});
+    JointSettings settings;
+    settings.g = spread;
+    const JointFit fit(table, *theory, settings);
+    std::istringstream text(palette_text(fit.palette()));
+    const Palette palette = read_palette(text);
+    ASSERT_TRUE(palette.streams);
+    EXPECT_EQ(palette.pigments[0].g.has_value(), spread > 0);
+    const StreamsMixture mixture(palette);
+    double off = 0;
+    for (Sample s : table.samples) {
+      if (s.paints.empty()) continue;
+      std::vector<double> fractions(palette.pigments.size());
+      for (const Component& c : s.paints) fractions[*palette.find(c.name)] = c.fraction;
+      const double card = theory->card(outer_reflectance(lab.surface, s.backing == "dark" ? 0.05 : 0.8));
+      const std::vector<double> film = mixture.reflectance(fractions, 1, std::vector<double>{card}),
+                                by_fluxes = paint_reflectance(mix(palette, fractions), 1,
+                                                              std::vector<double>{card}, lab.surface),
+                                expected = fit.predict(s).values;
+      s.backing = "opaque";
+      const std::vector<double> opaque = mixture.reflectance(fractions, INFINITY, {}),
+                                deep = fit.predict(s).values;
+      for (std::size_t l = 0; l < lab.nm.size(); ++l) {
+        EXPECT_NEAR(film[l], expected[l], 1e-9) << s.name << spread;
+        EXPECT_NEAR(opaque[l], deep[l], 1e-9) << s.name << spread;
+        off = std::max(off, std::abs(by_fluxes[l] - expected[l]));
+      }
+    }
+    EXPECT_GT(off, 0.02);
+  }
+  EXPECT_THROW(StreamsMixture{kimera_fit().palette}, std::domain_error);
 }
 
 /// Two measurements that depend on K and S in different ways tell them apart; less does not.

@@ -312,7 +312,12 @@ json palette_json(const pigment::Palette& palette) {
       {"wavelengths_nm", palette.nm},
       {"pigments", json::array()}};
   if (palette.by_volume) out["mixing"] = "volume";
-  out["theory"] = palette.by_streams ? "streams" : "two fluxes";
+  out["theory"] = palette.streams ? "streams" : "two fluxes";
+  if (palette.streams)
+    out["streams"] = {{"index", palette.streams->index},
+                      {"g", palette.streams->g},
+                      {"geometry", pigment::name_of(palette.streams->geometry)},
+                      {"specular", pigment::name_of(palette.streams->specular)}};
   for (const pigment::Pigment& p : palette.pigments) {
     json one = {{"name", p.name}, {"k", p.k}, {"s", p.s}};
     if (!p.k_error.empty()) one["k_error"] = p.k_error, one["s_error"] = p.s_error;
