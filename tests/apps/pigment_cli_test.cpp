@@ -802,6 +802,11 @@ TEST_F(PigmentCli, NumberedHeadingsAreRepeats) {
   write("fine.csv", "paints,400,400.1,400.2,401,401.1,401.2,700\nwhite,0.8,0.8,0.8,0.8,0.8,0.8,0.8\n");
   ASSERT_EQ(run("fit fine.csv"), 0) << said;
   EXPECT_NE(said.find("7 wavelengths from 400 to 700 nm"), std::string::npos) << said;
+  write("long.csv", "paints," + std::string(1000000, 'x') + ",400,700\nwhite,1,0.8,0.9\n");
+  ASSERT_EQ(run("fit long.csv"), 0) << said.substr(said.size() - 200);
+  write("far.cgats",
+        "BEGIN_DATA_FORMAT\nSAMPLE_NAME nm400 nm7000\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite .8 .9\nEND_DATA\n");
+  fails("fit far.cgats", "far.cgats: wavelengths must be from 200 to 2600 nm");
   write("far.csv", "paints,4001,4002\nwhite,0.8,0.9\n");
   fails("fit far.csv", "the heading \"4001\" is a wavelength of 4001 nm");
   write("film.csv", "paints,backing,thickness_um,400,700\nwhite,,20,0.8,0.9\n");
@@ -1002,6 +1007,10 @@ TEST_F(PigmentCli, TablesOfPricesAndLampsAsOfficesWriteThem) {
     for (std::size_t i = 0; i < 3; ++i)
       EXPECT_NEAR(json("m.json")["lab"][i].get<double>(), lab[i].get<double>(), 1e-9) << text;
   }
+  std::string comments;
+  for (int i = 0; i < 200000; ++i) comments += "#\n";
+  write("lamp.txt", comments);
+  fails("mix kimera red --illuminant lamp.txt", "lamp.txt:100001: the table has more than 100000 lines");
   write("lamp.txt", "nm;power\n360;2\n830;x\n");
   fails("mix kimera red --illuminant lamp.txt", "lamp.txt:3:5: expected a number, got \"x\"");
   write("lamp.txt", "nm;power\n360;2\n500;-2\n830;2\n");

@@ -24,6 +24,9 @@ constexpr const char* kColumnNames =
     "sample, specimen, series, paints, quantity, backing, thickness_um, unit and wavelengths in nm";
 constexpr const char* kRightHeader = "sample,paints,backing,thickness_um,unit,400,410,420";
 
+/// Bounds of the wavelengths of pigments in nm; beyond them a number is no wavelength or has another unit.
+constexpr double kShortestWavelength = 200, kLongestWavelength = 2600;
+
 /// A heading in lower case, without blanks, underscores, hyphens and what is in brackets. The latter is `inside`.
 struct Heading {
   std::string word, inside;
@@ -82,14 +85,16 @@ std::optional<Wavelength> wavelength_of(const std::string& text) {
 std::vector<std::string> without_repeat_numbers(const TextRow& header) {
   static const std::regex numbered("(.*[0-9]{3,4}( ?nm)?) ?[_#-] ?#?[0-9]{1,2}", std::regex::icase),
       dotted("([^0-9]*)([0-9]{3,4})[.]([0-9])");
+  constexpr std::size_t kLongestHeading = 60;  // matching takes memory on the stack for each letter
   std::vector<std::string> texts;
   std::map<std::string, std::vector<int>> tenths;
   std::set<std::string> all;
   for (const TextCell& cell : header.cells) {
     std::smatch found;
-    texts.push_back(std::regex_match(cell.text, found, numbered) ? found[1].str() : cell.text);
+    const bool is_short = cell.text.size() <= kLongestHeading;
+    texts.push_back(is_short && std::regex_match(cell.text, found, numbered) ? found[1].str() : cell.text);
     all.insert(cell.text);
-    if (std::regex_match(cell.text, found, dotted))
+    if (is_short && std::regex_match(cell.text, found, dotted))
       tenths[found[1].str() + found[2].str()].push_back(found[3].str()[0] - '0');
   }
   if (tenths.size() < 2) return texts;
@@ -107,7 +112,8 @@ std::vector<std::string> without_repeat_numbers(const TextRow& header) {
   for (std::size_t i = 0; i + 1 < wavelengths.size(); ++i)
     if (wavelengths[i + 1] - wavelengths[i] < 5) return texts;
   for (std::string& text : texts)
-    if (std::smatch found; std::regex_match(text, found, dotted)) text = found[1].str() + found[2].str();
+    if (std::smatch found; text.size() <= kLongestHeading && std::regex_match(text, found, dotted))
+      text = found[1].str() + found[2].str();
   return texts;
 }
 
@@ -258,9 +264,8 @@ private:
       throw TextError(cell.line ? cell.line : header.line, cell.column,
                       message + "; a line of headings that would be right:\n    " + kRightHeader);
     };
-    constexpr double kShortest = 200, kLongest = 2600;
     for (const Found& f : found)
-      if (f.nm < kShortest || f.nm > kLongest)
+      if (f.nm < kShortestWavelength || f.nm > kLongestWavelength)
         fail(f.column, "the heading \"" + header.cells[f.column].text + "\" is a wavelength of " +
                            number_text(f.nm) + " nm; those of pigments are from 200 to 2600 nm");
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -771,6 +776,9 @@ void check_not_above_white(const SampleTable& table) {
 
 void check(const SampleTable& table) {
   if (table.nm.empty()) throw std::domain_error("there are no wavelengths");
+  for (const double nm : table.nm)
+    require(nm >= kShortestWavelength && nm <= kLongestWavelength, nm, "wavelengths",
+            "must be from 200 to 2600 nm, as those of pigments");
   for (std::size_t i = 1; i < table.nm.size(); ++i)
     require(table.nm[i] > table.nm[i - 1], table.nm[i], "wavelengths", "must increase");
   if (table.samples.empty()) throw std::domain_error("there are no samples");

@@ -118,8 +118,11 @@ Lamp read_lamp(const std::string& file) {
   try {
     std::string text = pigment::utf8_text(read_table_file(file).str());
     // A comment goes on to the end of its line.
-    for (std::size_t at = 0; (at = text.find('#', at)) != text.npos;)
-      text.erase(at, std::min(text.find('\n', at), text.size()) - at);
+    bool is_comment = false;
+    std::erase_if(text, [&](char c) {
+      is_comment = c == '#' || (is_comment && c != '\n');
+      return is_comment;
+    });
     const std::vector<pigment::TextRow> rows = pigment::read_pairs(text, true);
     for (const pigment::TextRow& row : rows) {
       const bool is_pair = row.cells.size() == 2;
