@@ -16,39 +16,23 @@
 
 #include "aureole/core/image.h"
 #include "harness/paths.h"
+#include "harness/program.h"
 #include "loading/load_text.h"
 #include "render/small_scene.h"
 
 namespace aureole::test {
 namespace {
 
-struct Outcome {
-  int exit_code;
-  std::string output;  ///< stdout and stderr
-};
+using Outcome = ProgramEnd;
 
 /// `largest_file`: writing more than so many bytes to a file fails, as on a full disc; 0: no limit.
 pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& log,
             rlim_t largest_file = 0) {
-  const pid_t pid = fork();
-  if (pid == 0) {
-    if (largest_file > 0) {
-      const rlimit limit{largest_file, largest_file};
-      if (setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) _exit(97);
-    }
-    if (!freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
-    std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
-    for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-    argv.push_back(nullptr);
-    execv(aureole_binary().c_str(), argv.data());
-    _exit(98);
-  }
-  return pid;
-}
-
-std::string content(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  return start_program({}, arguments, log, [&] {
+    if (largest_file == 0) return;
+    const rlimit limit{largest_file, largest_file};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) _exit(97);
+  });
 }
 
 class Cli : public ::testing::Test {
@@ -57,7 +41,7 @@ protected:
     const auto log = folder.path / "log.txt";
     int status = 0;
     waitpid(start(arguments, log, largest_file), &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(log)};
+    return program_end(status, log);
   }
   std::string out() const { return (folder.path / "out.exr").string(); }
   std::string scene(const std::string& text, const std::string& name = "scene.xml") {
@@ -162,7 +146,7 @@ TEST_F(Cli, MediumTellsItsFigures) {
     const Outcome o =
         run({"medium", s + "#" + id, "--json", file.string(), "--plot", file.string() + ".svg"});
     EXPECT_EQ(o.exit_code, 0) << o.output;
-    return nlohmann::json::parse(content(file));
+    return nlohmann::json::parse(file_content(file));
   };
   const auto ink = figures("ink"), fog = figures("fog");
   for (const auto& row : ink["wavelengths"]) {
@@ -181,7 +165,7 @@ TEST_F(Cli, MediumTellsItsFigures) {
     EXPECT_NEAR(double(row["absorbance"]), 0.01 / std::log(10), 1e-7);
     EXPECT_NEAR(double(row["optical_density"]), 0.02 / std::log(10), 2e-7);
   }
-  EXPECT_NE(content(folder.path / "fog.json.svg").find("</svg>"), std::string::npos);
+  EXPECT_NE(file_content(folder.path / "fog.json.svg").find("</svg>"), std::string::npos);
   // A cell of 50 cm passes 1e-50 of the light, which single precision rounds to 0.
   const Outcome thick = run({"medium", s + "#ink", "--length", "50cm"});
   EXPECT_NE(thick.output.find("        50        50\n"), std::string::npos) << thick.output;
@@ -294,7 +278,7 @@ TEST_F(Cli, AnEarlierJobsSamplesAreNotLost) {
   const Outcome refused = run({"render", s, "-o", out(), "--spp", "4"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.output.find("--resume"), std::string::npos) << refused.output;
-  EXPECT_EQ(content(folder.path / "out.state"), "precious");
+  EXPECT_EQ(file_content(folder.path / "out.state"), "precious");
   EXPECT_FALSE(std::filesystem::exists(out()));
   EXPECT_EQ(run({"render", s, "-o", out(), "--spp", "4", "--restart"}).exit_code, 0);
 }
@@ -321,7 +305,7 @@ TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {
   waitpid(pid, &status, 0);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 1);
-  EXPECT_NE(content(folder.path / "log.txt").find("--resume"), std::string::npos);
+  EXPECT_NE(file_content(folder.path / "log.txt").find("--resume"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(out()));
   EXPECT_TRUE(std::filesystem::exists(folder.path / "out.state"));
 }
@@ -448,7 +432,7 @@ TEST_F(Cli, TruncatedFilesAreLocatedErrors) {
   const std::filesystem::path assets = source_dir() / "tests/references/scenes";
   for (const auto& [type, file] :
        {std::pair{"ply", "meshes/hill_little.ply"}, {"serialized", "meshes/pair.serialized"}}) {
-    const std::string bytes = content(assets / file);
+    const std::string bytes = file_content(assets / file);
     ASSERT_FALSE(bytes.empty());
     folder.write("cut.bin", bytes.substr(0, bytes.size() / 2));
     refused(with("<shape type=\"" + std::string(type) +
@@ -457,7 +441,7 @@ TEST_F(Cli, TruncatedFilesAreLocatedErrors) {
   }
   folder.write("cut.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
   refused(with(R"(<shape type="obj"><string name="filename" value="cut.obj"/></shape>)"), "cut.obj");
-  const std::string exr = content(assets / "textures/sky_colour.exr");
+  const std::string exr = file_content(assets / "textures/sky_colour.exr");
   ASSERT_FALSE(exr.empty());
   folder.write("cut.exr", exr.substr(0, exr.size() / 2));
   refused(with(R"(<emitter type="envmap"><string name="filename" value="cut.exr"/></emitter>)"), "cut.exr");

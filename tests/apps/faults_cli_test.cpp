@@ -17,6 +17,7 @@
 #include "aureole/core/image.h"
 #include "harness/effort.h"
 #include "harness/paths.h"
+#include "harness/program.h"
 #include "loading/load_text.h"
 #include "render/small_scene.h"
 
@@ -25,31 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class Faults : public ::testing::Test {
 protected:
-  struct Outcome {
-    int exit_code;
-    std::string output;  ///< stdout and stderr
-  };
+  using Outcome = ProgramEnd;
   /// Starts the program in the test's folder; `prepare` runs in the new process.
   pid_t start(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const {
-    const fs::path log = folder.path / "log.txt";
-    const pid_t pid = fork();
-    if (pid == 0) {
-      if (chdir(folder.path.c_str()) != 0 || !freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
-      if (prepare) prepare();
-      std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
-      for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-      argv.push_back(nullptr);
-      execv(aureole_binary().c_str(), argv.data());
-      _exit(98);
-    }
-    return pid;
+    return start_program(folder.path, arguments, folder.path / "log.txt", prepare);
   }
   /// Waits for the program's end; kills it, with exit code -SIGKILL, after 60 s.
   Outcome end_of(pid_t pid) const {
@@ -58,7 +40,7 @@ protected:
       if (i == 6000) kill(pid, SIGKILL);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(folder.path / "log.txt")};
+    return program_end(status, folder.path / "log.txt");
   }
   Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const {
     return end_of(start(arguments, prepare));

@@ -2,8 +2,6 @@
 // aureole microstructure and droplet-size as a user meets them: files in, files out, and for every kind of
 // bad input a message, exit code 2 and nothing written.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +10,7 @@
 
 #include "aureole/core/image.h"
 #include "harness/paths.h"
+#include "harness/program.h"
 #include "instrument/microscopy/disc_pictures.h"
 #include "instrument/microscopy/write_tiff.h"
 #include "loading/load_text.h"
@@ -22,28 +21,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string content(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class InstrumentCli : public ::testing::Test {
 protected:
   int run(const std::vector<std::string>& arguments) {
-    const fs::path log = folder.path / "log.txt";
-    const pid_t pid = fork();
-    if (pid == 0) {
-      if (chdir(folder.path.c_str()) != 0 || !freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
-      std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
-      for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-      argv.push_back(nullptr);
-      execv(aureole_binary().c_str(), argv.data());
-      _exit(98);
-    }
-    int status = 0;
-    waitpid(pid, &status, 0);
-    output = content(log);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    const ProgramEnd end = run_program(folder.path, arguments);
+    output = end.output;
+    return end.exit_code;
   }
   /// Exit code 2, the message, and no output folder nor a part of one.
   void refused(std::vector<std::string> arguments, const std::string& message) {
@@ -77,7 +60,7 @@ TEST_F(InstrumentCli, CoinsOfAPhotograph) {
   const fs::path coins = source_dir() / "tests/instrument/data/coins.png";
   ASSERT_EQ(run({"microstructure", coins.string(), "--pixel-size", "1um", "--fill-holes", "-o", "out"}), 0)
       << output;
-  const auto j = nlohmann::json::parse(content(folder.path / "out/result.json"));
+  const auto j = nlohmann::json::parse(file_content(folder.path / "out/result.json"));
   EXPECT_EQ(int(j["fields"][0]["whole"]), 24);
   EXPECT_EQ(int(j["fields"][0]["cut"]), 0);
   EXPECT_TRUE(bool(j["shape"]["round"]));
@@ -92,7 +75,7 @@ TEST_F(InstrumentCli, CoinsOfAPhotograph) {
   folder.write("scene.xml", scene);
   ASSERT_EQ(run({"layer", "scene.xml#measured", "--step", "200", "--json", "layer.json"}), 0) << output;
   const double fr = j["covered_fraction"]["value"];
-  const auto layer = nlohmann::json::parse(content(folder.path / "layer.json"));
+  const auto layer = nlohmann::json::parse(file_content(folder.path / "layer.json"));
   EXPECT_NEAR(double(layer["cie"]["direct_transmission"]["Y"]), fr * fr, 0.003);
   EXPECT_NEAR(double(layer["cie"]["total_transmission"]["Y"]), fr, 0.006);
 }
@@ -105,7 +88,7 @@ TEST_F(InstrumentCli, Layer) {
   for (const char* id : {"ball", "both", "inner"}) {
     ASSERT_EQ(run({"layer", std::string("scene.xml#") + id, "--step", "100", "--json", "layer.json"}), 0)
         << output;
-    const auto j = nlohmann::json::parse(content(folder.path / "layer.json"));
+    const auto j = nlohmann::json::parse(file_content(folder.path / "layer.json"));
     EXPECT_NEAR(double(j["cie"]["total_reflection"]["Y"]), 0.3, 1e-3);
     EXPECT_NEAR(double(j["cie"]["total_reflection"]["x"]), 0.3127, 1e-3);
     EXPECT_NEAR(double(j["wavelengths"][1]["lost"]), 0.7, 1e-3);
@@ -126,7 +109,7 @@ TEST_F(InstrumentCli, LayerOfAFileWithoutSensor) {
   for (const char* id : {"both", "inner", "other"}) {
     ASSERT_EQ(run({"layer", std::string("material.xml#") + id, "--step", "100", "--json", "layer.json"}), 0)
         << output;
-    const auto j = nlohmann::json::parse(content(folder.path / "layer.json"));
+    const auto j = nlohmann::json::parse(file_content(folder.path / "layer.json"));
     EXPECT_NEAR(double(j["cie"]["total_reflection"]["Y"]), 0.3, 1e-3);
   }
   refused({"layer", "material.xml#iner"}, "did you mean \"inner\"?; there are both, inner, other");
@@ -135,7 +118,7 @@ TEST_F(InstrumentCli, LayerOfAFileWithoutSensor) {
   EXPECT_NE(output.find("material.xml (homogeneous)"), std::string::npos) << output;
   // No shape uses the medium; albedo 0.75 is the default of Mitsuba.
   ASSERT_EQ(run({"medium", "material.xml#fog", "--length", "1m", "--json", "fog.json"}), 0) << output;
-  const nlohmann::json fog = nlohmann::json::parse(content(folder.path / "fog.json"));
+  const nlohmann::json fog = nlohmann::json::parse(file_content(folder.path / "fog.json"));
   for (const auto& row : fog["wavelengths"]) {
     EXPECT_NEAR(double(row["optical_density"]), 2 / std::log(10), 1e-6);
     EXPECT_NEAR(double(row["absorbance"]), 0.5 / std::log(10), 1e-6);
@@ -311,10 +294,10 @@ TEST_F(InstrumentCli, DarkBeadsAreOpaqueDiscs) {
         output.find(std::string("note: particles are taken to be the ") + (k.bright ? "bright" : "dark")),
         std::string::npos)
         << output;
-    const auto result = nlohmann::json::parse(content(folder.path / "out/result.json"));
+    const auto result = nlohmann::json::parse(file_content(folder.path / "out/result.json"));
     EXPECT_EQ(result["scatterer"], k.name);
     EXPECT_NE(result["choices"].dump().find(k.note), std::string::npos);
-    const std::string scene = content(folder.path / "out/scene.xml");
+    const std::string scene = file_content(folder.path / "out/scene.xml");
     EXPECT_NE(scene.find(k.note), std::string::npos) << scene;
     EXPECT_EQ(scene.find("--", 4), scene.find("-->")) << "a comment of XML has no two hyphens";
     EXPECT_NE(scene.find(std::string("<string name=\"scatterer\" value=\"") + k.name), std::string::npos)
@@ -327,7 +310,7 @@ TEST_F(InstrumentCli, DarkBeadsAreOpaqueDiscs) {
                      k.name + R"("/></bsdf></scene>)");
     const auto layer = [&](const std::string& target) {
       EXPECT_EQ(run({"layer", target, "--step", "40", "--json", "layer.json"}), 0) << output;
-      return nlohmann::json::parse(content(folder.path / "layer.json"))["cie"];
+      return nlohmann::json::parse(file_content(folder.path / "layer.json"))["cie"];
     };
     const auto measured = layer("out/scene.xml#measured"), truth = layer("truth.xml#truth");
     std::printf("%s: haze %.4f, drawn discs %.4f; direct %.4f, %.4f\n", k.name, double(measured["haze"]),
@@ -350,11 +333,11 @@ TEST_F(InstrumentCli, ScatterersAsAsked) {
   ASSERT_EQ(run(with({"--polarity", "dark", "--scatterer", "apertures"})), 0) << output;
   EXPECT_EQ(output.find("the material"), std::string::npos) << output;
   EXPECT_EQ(output.find("taken to be"), std::string::npos) << output;
-  EXPECT_NE(content(folder.path / "out/scene.xml").find("value=\"apertures\""), std::string::npos);
+  EXPECT_NE(file_content(folder.path / "out/scene.xml").find("value=\"apertures\""), std::string::npos);
 
   for (const char* index : {"1.46", "water"}) {
     ASSERT_EQ(run(with({"--scatterer", "spheres", "--int-ior", index})), 0) << output;
-    const std::string scene = content(folder.path / "out/scene.xml");
+    const std::string scene = file_content(folder.path / "out/scene.xml");
     EXPECT_NE(scene.find("<bsdf type=\"correlated_spheres\" id=\"measured\">"), std::string::npos) << scene;
     EXPECT_NE(scene.find(std::string("name=\"int_ior\" value=\"") + index), std::string::npos) << scene;
     const auto number_after = [&](const std::string& text) {
@@ -395,7 +378,7 @@ TEST_F(InstrumentCli, MicrostructureOfTiffs) {
        {"result.json", "particles.csv", "sizes.txt", "structure_factor.txt", "pair_correlation.txt",
         "scene.xml", "radii.svg", "pair_correlation.svg", "structure_factor.svg"})
     EXPECT_GT(fs::file_size(folder.path / "out" / name), 50u) << name;
-  const auto j = nlohmann::json::parse(content(folder.path / "out/result.json"));
+  const auto j = nlohmann::json::parse(file_content(folder.path / "out/result.json"));
   EXPECT_NEAR(double(j["area_fraction"]["value"]), 0.4, 0.02);
   EXPECT_LT(double(j["area_fraction"]["low"]), double(j["area_fraction"]["high"]));
   EXPECT_NEAR(double(j["radius"]["mean_um"]["value"]), 1.8, 0.03);
@@ -403,7 +386,7 @@ TEST_F(InstrumentCli, MicrostructureOfTiffs) {
   EXPECT_TRUE(bool(j["shape"]["round"]));
   EXPECT_GT(j["structure_factor"]["x"].size(), 30u);
   // One line for each particle and the head.
-  const std::string table = content(folder.path / "out/particles.csv");
+  const std::string table = file_content(folder.path / "out/particles.csv");
   const long lines = std::count(table.begin(), table.end(), '\n');
   EXPECT_EQ(lines, 1 + long(j["fields"][0]["whole"]) + long(j["fields"][0]["cut"]) +
                        long(j["fields"][1]["whole"]) + long(j["fields"][1]["cut"]));
@@ -421,12 +404,12 @@ TEST_F(InstrumentCli, MicrostructureOfTiffs) {
   // A second run replaces the first; one that fails leaves it.
   ASSERT_EQ(run({"microstructure", "a.tif", "-o", "out"}), 0) << output;
   EXPECT_FALSE(fs::exists(folder.path / "out/overlay-1.png"));
-  const std::string before = content(folder.path / "out/result.json");
+  const std::string before = file_content(folder.path / "out/result.json");
   EXPECT_EQ(run({"microstructure", "a.tif", "missing.tif", "-o", "out"}), 2);
-  EXPECT_EQ(content(folder.path / "out/result.json"), before);
+  EXPECT_EQ(file_content(folder.path / "out/result.json"), before);
   // A second run gives the same result to the last digit.
   ASSERT_EQ(run({"microstructure", "a.tif", "-o", "again"}), 0) << output;
-  EXPECT_EQ(content(folder.path / "again/result.json"), before);
+  EXPECT_EQ(file_content(folder.path / "again/result.json"), before);
 }
 
 TEST_F(InstrumentCli, MicrostructureOptions) {
@@ -441,7 +424,7 @@ TEST_F(InstrumentCli, MicrostructureOptions) {
       0)
       << output;
   EXPECT_NE(output.find("bright on dark"), std::string::npos) << output;
-  const auto j = nlohmann::json::parse(content(folder.path / "out/result.json"));
+  const auto j = nlohmann::json::parse(file_content(folder.path / "out/result.json"));
   EXPECT_NEAR(double(j["fields"][0]["seen_mm2"]), (340. * 400 - 100 * 80 - 50 * 100) * 0.04e-6, 1e-9);
   EXPECT_NEAR(double(j["radius"]["mean_um"]["value"]), 1.8, 0.03);
   EXPECT_FALSE(fs::exists(folder.path / "out/overlay-0.png"));
@@ -465,7 +448,7 @@ TEST_F(InstrumentCli, MicrostructureRefuses) {
   write_grey_png("empty.png", picture_of({}, 1e4, p));
   write_grey_png("two.png", picture_of({{60, 70, 20, 0}, {140, 120, 20, 0}}, 1e4, p));
   folder.write("text.png", "this is no picture");
-  folder.write("cut.tif", content(file("printer.tif")).substr(0, 3000));
+  folder.write("cut.tif", file_content(file("printer.tif")).substr(0, 3000));
 
   refused({"microstructure", "a.png"}, "a.png: does not say how large its pixels are");
   refused({"microstructure", "printer.tif"}, "printer.tif: does not say how large its pixels are");
@@ -499,7 +482,7 @@ TEST_F(InstrumentCli, MicrostructureRefuses) {
   folder.write("mine/letter.txt", "dear");
   EXPECT_EQ(run({"microstructure", "a.png", "--pixel-size", "1um", "-o", "mine"}), 2);
   EXPECT_NE(output.find("folder of something else"), std::string::npos) << output;
-  EXPECT_EQ(content(file("mine/letter.txt")), "dear");
+  EXPECT_EQ(file_content(file("mine/letter.txt")), "dear");
   EXPECT_EQ(run({"microstructure", "a.png", "--pixel-size", "1um", "-o", "a.png"}), 2);
   EXPECT_EQ(run({"microstructure", "a.png", "--pixel-size", "1um", "-o", "no/such"}), 2);
 }
@@ -508,7 +491,7 @@ TEST_F(InstrumentCli, DropletSize) {
   ASSERT_EQ(
       run({"droplet-size", "--angles", "2.79:max:R,4.23deg:min:R", "--lamp", "LED-B3", "-o", "fit.json"}), 0)
       << output;
-  const auto j = nlohmann::json::parse(content(file("fit.json")));
+  const auto j = nlohmann::json::parse(file_content(file("fit.json")));
   EXPECT_GT(double(j["radius_um"]["value"]), 4.5);
   EXPECT_LT(double(j["radius_um"]["value"]), 5.7);
   EXPECT_GT(double(j["radius_um"]["error"]), 0.0);

@@ -2,8 +2,6 @@
 // aureole photometry and aureole goniophotometer as a user meets them: what they print and write, and messages for bad
 // input, after which nothing is written.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include "aureole/core/image.h"
 #include "aureole/parameter/luminaire/luminaire_file.h"
 #include "harness/paths.h"
+#include "harness/program.h"
 #include "loading/load_text.h"
 
 namespace aureole::test {
@@ -20,22 +19,10 @@ namespace fs = std::filesystem;
 
 class PhotometryCommand : public ::testing::Test {
 protected:
-  int run(std::vector<std::string> arguments) {
-    const fs::path log = folder.path / "log.txt";
-    const pid_t pid = fork();
-    if (pid == 0) {
-      if (chdir(folder.path.c_str()) != 0 || !freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
-      std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
-      for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-      argv.push_back(nullptr);
-      execv(aureole_binary().c_str(), argv.data());
-      _exit(98);
-    }
-    int status = 0;
-    waitpid(pid, &status, 0);
-    std::ifstream in(log, std::ios::binary);
-    output = {std::istreambuf_iterator<char>(in), {}};
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  int run(const std::vector<std::string>& arguments) {
+    const ProgramEnd end = run_program(folder.path, arguments);
+    output = end.output;
+    return end.exit_code;
   }
   void refused(const std::vector<std::string>& arguments, const std::string& message) {
     EXPECT_EQ(run(arguments), 2) << output;

@@ -87,13 +87,7 @@ TEST(DvrPlane, PathFindsTheSameLight) {
       look(scene_of(dvr(number("step", 2e-4) + number("termination", 0)), content), kOblique).radiance;
   EXPECT_GT(exact, 0.1);
   const auto scene = scene_of(R"(path">)", content);
-  constexpr int kCount = 4096;
-  double sum = 0, squares = 0;
-  for (int i = 0; i < kCount; ++i) {
-    const double x = look(scene, kOblique, i).radiance;
-    sum += x, squares += x * x;
-  }
-  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  const auto [mean, error] = mean_radiance(scene, kOblique, 4096);
   EXPECT_LT(error, 0.02 * exact);
   EXPECT_NEAR(mean, exact, 4 * error);
   // The integral halves its steps without the mean of a function of one number.

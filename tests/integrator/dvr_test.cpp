@@ -120,13 +120,7 @@ TEST(Dvr, PathFindsTheSameLight) {
   const std::string content = ball(folder, text("extinction", "0 0, 1 6"));
   const double exact = look(scene_of(dvr(text("method", "emission_absorption")), content), kOblique).radiance;
   const auto scene = scene_of(R"(path">)", content);
-  constexpr int kCount = 4096;
-  double sum = 0, squares = 0;
-  for (int i = 0; i < kCount; ++i) {
-    const double x = look(scene, kOblique, i).radiance;
-    sum += x, squares += x * x;
-  }
-  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  const auto [mean, error] = mean_radiance(scene, kOblique, 4096);
   EXPECT_LT(error, 0.01 * exact);
   EXPECT_NEAR(mean, exact, 4 * error);
 }
@@ -142,13 +136,7 @@ TEST(Dvr, SingleScatteringOfASlab) {
   const auto scene = scene_of(
       dvr(text("method", "single_scattering") + number("step", 0.05) + number("termination", 0)), content);
   const double exact = 0.6 * 3 / (4 * 3.14159265358979) * (1 - std::exp(-4.0)) / 2;
-  constexpr int kCount = 512;
-  double sum = 0, squares = 0;
-  for (int i = 0; i < kCount; ++i) {
-    const double x = look(scene, kAlongZ, i, true).radiance;
-    sum += x, squares += x * x;
-  }
-  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  const auto [mean, error] = mean_radiance(scene, kAlongZ, 512, true);
   EXPECT_LT(error, 0.01 * exact);
   EXPECT_NEAR(mean, exact, 4 * error + 2e-3 * exact);
 }
@@ -398,13 +386,8 @@ TEST(Dvr, ColouredEmissionIsThatOfPath) {
       volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 2") + text("colors", "0 1 1 0"));
   const auto steps = scene_of(dvr(number("termination", 0)), content), paths = scene_of(R"(path">)", content);
   constexpr int kCount = 2048;
-  double expected = 0, sum = 0, squares = 0;
-  for (int i = 0; i < kCount; ++i) {
-    expected += look(steps, kAlongZ, i).radiance / kCount;
-    const double x = look(paths, kAlongZ, i).radiance;
-    sum += x, squares += x * x;
-  }
-  const double mean = sum / kCount, error = std::sqrt((squares / kCount - mean * mean) / kCount);
+  const double expected = mean_radiance(steps, kAlongZ, kCount).mean;
+  const auto [mean, error] = mean_radiance(paths, kAlongZ, kCount);
   EXPECT_LT(error, 0.01 * expected);
   EXPECT_NEAR(mean, expected, 4 * error);
 }

@@ -99,6 +99,21 @@ inline std::string ball(const VolumeFolder& folder, const std::string& parameter
 
 inline const Ray kOblique{{-0.5f, -0.2f, -1}, {0.48f, 0.36f, 0.8f}};
 
+/// Mean radiance of the samples 0 to count - 1 of a ray, and its standard error.
+struct MeanRadiance {
+  double mean = 0, error = 0;
+};
+template <class Scene>
+MeanRadiance mean_radiance(const Scene& scene, const Ray& ray, int count, bool flat = false) {
+  double sum = 0, squares = 0;
+  for (int i = 0; i < count; ++i) {
+    const double x = look(scene, ray, i, flat).radiance;
+    sum += x, squares += x * x;
+  }
+  const double mean = sum / count;
+  return {mean, std::sqrt((squares / count - mean * mean) / count)};
+}
+
 inline std::string problem(const std::string& integrator, const std::string& content) {
   return error_thrown_by([&] {
     const auto scene = scene_of(integrator, content);

@@ -9,6 +9,7 @@
 #include "aureole/bsdf/measured/incident_side.h"
 #include "aureole/bsdf/measured/rgl_file.h"
 #include "aureole/bsdf/measured/rgl_table.h"
+#include "aureole/bsdf/measured/set_sample.h"
 #include "aureole/parameter/data_range.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/plugin/table_holder.h"
@@ -62,10 +63,7 @@ public:
     if (!(wi.z > 0)) return result;
     const Vec3 wo = table_->sample(wi, u2);
     if (!(wo.z > 0)) return result;
-    const BsdfEval e = eval_pdf(wi, wo, ctx);
-    if (!(e.pdf[0] > 0)) return result;
-    BsdfSample& s = result.emplace();
-    s.wo = wo, s.value = e.value, s.pdf = e.pdf, s.lobe = lobes();
+    set_sample(*this, wi, wo, ctx, lobes(), result);
     return result;
   }
 

@@ -9,6 +9,7 @@
 #include "aureole/bsdf/measured/half_vector_density.h"
 #include "aureole/bsdf/measured/incident_side.h"
 #include "aureole/bsdf/measured/merl_table.h"
+#include "aureole/bsdf/measured/set_sample.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/plugin/table_holder.h"
 #include "aureole/spectrum/rgb_primaries.h"
@@ -51,9 +52,7 @@ public:
     if (!(wi.z > 0 && wo.z > 0)) return 0.f;
     const bool exchanged = incident_.is_exchanged(ctx);
     const std::array<float, 3> c = table_->rgb(exchanged ? wo : wi, exchanged ? wi : wo, is_linear_);
-    const Wavelengths& w = ctx.wavelengths;
-    return (primaries_[0].eval(w) * c[0] + primaries_[1].eval(w) * c[1] + primaries_[2].eval(w) * c[2]) *
-           wo.z;
+    return rgb_spectrum(primaries_, c, ctx.wavelengths) * wo.z;
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float, Vec2 u2, const BsdfContext& ctx) const override {
@@ -61,10 +60,7 @@ public:
     if (!(wi.z > 0)) return result;
     const Vec3 wo = density_->sample(wi, u2);
     if (!(wo.z > 0)) return result;
-    const BsdfEval e = eval_pdf(wi, wo, ctx);
-    if (!(e.pdf[0] > 0)) return result;
-    BsdfSample& s = result.emplace();
-    s.wo = wo, s.value = e.value, s.pdf = e.pdf, s.lobe = lobes();
+    set_sample(*this, wi, wo, ctx, lobes(), result);
     return result;
   }
 

@@ -8,6 +8,7 @@
 #include "aureole/bsdf/measured/half_vector_density.h"
 #include "aureole/bsdf/measured/incident_side.h"
 #include "aureole/bsdf/measured/scattered_table.h"
+#include "aureole/bsdf/measured/set_sample.h"
 #include "aureole/math/warp.h"
 #include "aureole/parameter/data_range.h"
 #include "aureole/plugin/registry.h"
@@ -91,9 +92,7 @@ public:
     if (is_spectral_) return table.spectrum(i, o, ctx.wavelengths) * cosine;
     const std::array<float, 3> c = table.colour(i, o);
     if (!is_coloured_) return c[0] * cosine;
-    const Wavelengths& w = ctx.wavelengths;
-    return (primaries_[0].eval(w) * c[0] + primaries_[1].eval(w) * c[1] + primaries_[2].eval(w) * c[2]) *
-           cosine;
+    return rgb_spectrum(primaries_, c, ctx.wavelengths) * cosine;
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
@@ -105,11 +104,7 @@ public:
     Vec3 wo = density->sample(up(wi), u2);
     if (!(wo.z > 0)) return result;
     if ((wi.z > 0) == transmitted) wo.z = -wo.z;
-    const BsdfEval e = eval_pdf(wi, wo, ctx);
-    if (!(e.pdf[0] > 0)) return result;
-    BsdfSample& s = result.emplace();
-    s.wo = wo, s.value = e.value, s.pdf = e.pdf;
-    s.lobe = Lobe::glossy | (transmitted ? Lobe::transmit : Lobe::reflect);
+    set_sample(*this, wi, wo, ctx, Lobe::glossy | (transmitted ? Lobe::transmit : Lobe::reflect), result);
     return result;
   }
 

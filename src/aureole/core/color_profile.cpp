@@ -26,8 +26,9 @@ Context make_context() {
 
 IccProfile owned(cmsHPROFILE profile) { return {profile, cmsCloseProfile}; }
 
-IccProfile profile_with_curve(cmsContext context, const cmsCIExyY& white, const cmsCIExyYTRIPLE& primaries,
-                              double gamma) {
+IccProfile profile_with_curve(cmsContext context, const Primaries& p, double gamma) {
+  const cmsCIExyY white{p[6], p[7], 1};
+  const cmsCIExyYTRIPLE primaries{{p[0], p[1], 1}, {p[2], p[3], 1}, {p[4], p[5], 1}};
   cmsToneCurve* const curve = cmsBuildGamma(context, gamma);
   cmsToneCurve* const curves[3] = {curve, curve, curve};
   IccProfile profile = owned(cmsCreateRGBProfileTHR(context, &white, &primaries, curves));
@@ -38,9 +39,7 @@ IccProfile profile_with_curve(cmsContext context, const cmsCIExyY& white, const 
 /// sRGB, whose values are encoded for display or linear.
 IccProfile make_srgb(cmsContext context, bool linear) {
   if (!linear) return owned(cmsCreate_sRGBProfileTHR(context));
-  const cmsCIExyY white{0.3127, 0.3290, 1};
-  const cmsCIExyYTRIPLE primaries{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}};
-  return profile_with_curve(context, white, primaries, 1);
+  return profile_with_curve(context, kSrgbPrimaries, 1);
 }
 
 std::vector<unsigned char> saved(cmsHPROFILE profile) {
@@ -92,15 +91,12 @@ const std::vector<unsigned char>& srgb_profile(bool linear) {
   return linear ? straight : encoded;
 }
 
-std::vector<unsigned char> profile_of_primaries(const std::array<double, 8>& p, double gamma) {
+std::vector<unsigned char> profile_of_primaries(const Primaries& p, double gamma) {
   const Context context = make_context();
-  const cmsCIExyY white{p[6], p[7], 1};
-  const cmsCIExyYTRIPLE primaries{{p[0], p[1], 1}, {p[2], p[3], 1}, {p[4], p[5], 1}};
   const bool good = gamma > 0.05 && gamma < 20 &&
                     std::all_of(p.begin(), p.end(), [](double v) { return std::isfinite(v); }) && p[1] > 0 &&
                     p[3] > 0 && p[5] > 0 && p[7] > 0;
-  const IccProfile profile =
-      good ? profile_with_curve(context.get(), white, primaries, gamma) : owned(nullptr);
+  const IccProfile profile = good ? profile_with_curve(context.get(), p, gamma) : owned(nullptr);
   if (!profile) throw Error("the primaries that the file states span no colours");
   return saved(profile.get());
 }

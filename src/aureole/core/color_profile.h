@@ -2,6 +2,7 @@
 // Colour profiles (ICC) of image files, by Little CMS. Used only by image.cpp and the codecs.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,13 +11,16 @@
 
 namespace aureole {
 
+/// Chromaticities x, y of red, green, blue and white.
+using Primaries = std::array<double, 8>;
+inline constexpr Primaries kSrgbPrimaries = {0.64, 0.33, 0.30,   0.60,
+                                             0.15, 0.06, 0.3127, 0.3290};  // IEC 61966-2-1
+
 /// Returns the ICC profile (version 2) of sRGB: of values that are encoded for display, or of linear ones.
 const std::vector<unsigned char>& srgb_profile(bool linear);
 
-/// Returns the profile of three primaries and a white point, each a chromaticity x, y, whose encoded values v stand for
-/// v^gamma. Throws Error if they span no colours.
-std::vector<unsigned char> profile_of_primaries(const std::array<double, 8>& red_green_blue_white,
-                                                double gamma);
+/// Returns the profile of primaries and a white point whose encoded values v stand for v^gamma. Throws Error if they span no colours.
+std::vector<unsigned char> profile_of_primaries(const Primaries& primaries, double gamma);
 
 /// Converts the colours of an image (channels R, G, B or Y) from an ICC profile to sRGB, relative to white, and returns
 /// a note of it; empty if the profile is sRGB's. Values stay encoded where the image is. Colours outside sRGB have values

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "aureole/core/color_profile.h"
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 
@@ -23,9 +24,6 @@ namespace {
 
 using Rgbe = std::array<unsigned char, 4>;
 
-/// Chromaticities x, y of red, green, blue and white.
-using Primaries = std::array<double, 8>;
-constexpr Primaries kSrgb = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
 /// Primaries of CIE XYZ, whose white is that of equal energy.
 constexpr Primaries kXyz = {1, 0, 0, 1, 0, 0, 1 / 3., 1 / 3.};
 constexpr double kLumensPerWatt = 179;  ///< Radiance's efficacy of white, the unit of XYZE over that of RGBE
@@ -77,10 +75,10 @@ Matrix to_xyz(const Primaries& p) {
 Matrix to_srgb(const Primaries& p) {
   constexpr Matrix kBradford = {
       {{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}};
-  const Triple from = kBradford * white_xyz(p), to = kBradford * white_xyz(kSrgb);
+  const Triple from = kBradford * white_xyz(p), to = kBradford * white_xyz(kSrgbPrimaries);
   Matrix scale{};
   for (std::size_t k = 0; k < 3; ++k) scale[k][k] = to[k] / from[k];
-  return inverse(to_xyz(kSrgb)) * inverse(kBradford) * scale * kBradford * to_xyz(p);
+  return inverse(to_xyz(kSrgbPrimaries)) * inverse(kBradford) * scale * kBradford * to_xyz(p);
 }
 
 struct Header {
@@ -181,7 +179,7 @@ std::optional<ColorConversion> conversion(const Header& h) {
     notes.push_back("colours are converted to sRGB from XYZ, and from lumens to watts (179 lm/W)");
   } else if (h.primaries) {
     bool same = true;
-    for (std::size_t k = 0; k < 8; ++k) same &= std::abs((*h.primaries)[k] - kSrgb[k]) < 5e-4;
+    for (std::size_t k = 0; k < 8; ++k) same &= std::abs((*h.primaries)[k] - kSrgbPrimaries[k]) < 5e-4;
     if (!same) {
       m = to_srgb(*h.primaries);
       std::string text;

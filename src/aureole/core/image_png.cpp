@@ -151,7 +151,7 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
     image.notes.push_back(std::string("the colour profile in the PNG is not used (") + s.profile_problem +
                           "): its colours are taken for sRGB");
   } else if (!s.is_srgb && s.gamma > 0 && (s.has_primaries || std::abs(s.gamma - 1 / 2.2) > 0.01)) {
-    std::array<double, 8> primaries = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
+    Primaries primaries = kSrgbPrimaries;
     const bool is_usual = std::abs(s.gamma - 1 / 2.2) <= 0.01;
     bool differs = !is_usual;
     for (std::size_t i = 0; s.has_primaries && i < primaries.size(); ++i) {

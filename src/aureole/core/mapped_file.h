@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <span>
+
+#include "aureole/core/error.h"
 
 namespace aureole {
 
@@ -40,5 +43,20 @@ private:
 
 /// Returns the bytes of a regular file, mapped. Throws Error as MappedFile does.
 SharedBytes map_file(const std::filesystem::path& file);
+
+/// Maps a file and returns `read(bytes)`. Errors that it throws without a file, and memory that is missing, are located at
+/// this one.
+template <class Read>
+auto read_mapped(const std::filesystem::path& file, const Read& read) {
+  const SharedBytes bytes = map_file(file);
+  try {
+    return read(bytes);
+  } catch (const std::bad_alloc&) {
+    throw Error({file.string(), 0, 0}, "needs more memory than there is");
+  } catch (const Error& problem) {
+    if (!problem.where().file.empty()) throw;
+    throw Error({file.string(), problem.where().line, 0}, problem.message());
+  }
+}
 
 }  // namespace aureole

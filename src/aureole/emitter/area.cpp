@@ -2,9 +2,8 @@
 // A surface that emits from its front, the side of its geometric normal.
 #include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
-#include "aureole/math/warp.h"
+#include "aureole/emitter/surface/cosine_rays.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/area_sampler.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -62,22 +61,13 @@ public:
 
   std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position, Vec2 direction,
                                        const Wavelengths& wavelengths) const override {
-    const auto s = light.area->sample_area(part, position);
-    if (!s) return {};
-    const Vec3 local = square_to_cosine_hemisphere(direction);
-    return EmittedRay{s->p,
-                      s->p_error,
-                      s->ng,
-                      normalize(Frame::from_normal(s->ng).to_world(local)),
-                      radiance_at(light, *s, wavelengths) * local.z,
-                      s->pdf,
-                      cosine_hemisphere_pdf(local.z)};
+    return sample_cosine_ray(light, part, position, direction,
+                             [&](const auto& s, const Vec3&) { return radiance_at(light, s, wavelengths); });
   }
 
   RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
                      const Vec3& d) const override {
-    const float cosine = dot(point->ng, d);
-    return {light.area->pdf_area(part, *point), cosine > 0 ? cosine_hemisphere_pdf(cosine) : 0.f};
+    return cosine_ray_density(light, part, *point, d);
   }
 
   float pdf_direct(const Light& light, const Vec3& reference, std::size_t part,
@@ -93,8 +83,7 @@ public:
 
   EmissionBounds emission_bounds(const Light& light, std::size_t part) const override {
     const auto [axis, cosine] = light.area->patch_normals(part);
-    return {light.area->patch_bounds(part), axis, cosine, 0,
-            light.surface_area > 0 ? float(light.area->patch_area(part) / light.surface_area) : 0};
+    return {light.area->patch_bounds(part), axis, cosine, 0, patch_fraction(light, part)};
   }
 
 private:

@@ -3,6 +3,7 @@
 // estimation is zero, so that only light tracing finds this light.
 #include "aureole/emitter/amount/emission_amount.h"
 #include "aureole/emitter/light.h"
+#include "aureole/emitter/surface/cosine_rays.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/area_sampler.h"
 #include "aureole/texture/texture.h"
@@ -70,12 +71,7 @@ public:
     const auto [axis, cosine] = light.area->patch_normals(part);
     // The cone of emission has zero solid angle; `focus` 0 keeps light selection from choosing it for a
     // point.
-    return {light.area->patch_bounds(part),
-            axis,
-            cosine,
-            1,
-            light.surface_area > 0 ? float(light.area->patch_area(part) / light.surface_area) : 0,
-            0};
+    return {light.area->patch_bounds(part), axis, cosine, 1, patch_fraction(light, part), 0};
   }
 
 private:

@@ -5,7 +5,7 @@
 #include "aureole/emitter/directions/emitter_placement.h"
 #include "aureole/emitter/light.h"
 #include "aureole/emitter/luminaire/luminaire_parameters.h"
-#include "aureole/math/warp.h"
+#include "aureole/emitter/surface/cosine_rays.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/area_sampler.h"
 
@@ -100,23 +100,15 @@ public:
 
   std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position, Vec2 direction,
                                        const Wavelengths& wavelengths) const override {
-    const auto s = light.area->sample_area(part, position);
-    if (!s) return {};
     // By the cosine, as `area`: most directions of the whole distribution would leave through a curved shape.
-    const Vec3 local = square_to_cosine_hemisphere(direction);
-    EmittedRay r;
-    r.d = normalize(Frame::from_normal(s->ng).to_world(local));
-    r.p = s->p, r.p_error = s->p_error, r.ng = s->ng;
-    r.value = light_->per_candela->eval({}, wavelengths) * (luminance(r.d) * local.z);
-    r.pdf_position = s->pdf;
-    r.pdf_direction = cosine_hemisphere_pdf(local.z);
-    return r;
+    return sample_cosine_ray(light, part, position, direction, [&](const auto&, const Vec3& d) {
+      return light_->per_candela->eval({}, wavelengths) * luminance(d);
+    });
   }
 
   RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
                      const Vec3& d) const override {
-    const float cosine = dot(point->ng, d);
-    return {light.area->pdf_area(part, *point), cosine > 0 ? cosine_hemisphere_pdf(cosine) : 0.f};
+    return cosine_ray_density(light, part, *point, d);
   }
 
   float pdf_direct(const Light& light, const Vec3& reference, std::size_t part,
@@ -136,7 +128,7 @@ public:
             axis,
             cosine,
             0,
-            light.surface_area > 0 ? float(light.area->patch_area(part) / light.surface_area) : 0,
+            patch_fraction(light, part),
             float(M_PI * light_->luminaire.distribution.maximum() / light_->flux)};
   }
 

@@ -15,4 +15,10 @@ namespace aureole {
 /// sRGB reflectance", EGSR 2019; computed anew by tools/make_rgb_primaries.py).
 std::array<SampledSpectrum, 3> rgb_primaries(const SpectralGrid& grid);
 
+/// The spectrum of a colour in linear sRGB, by the primaries of `rgb_primaries`.
+inline Spectrum rgb_spectrum(const std::array<SampledSpectrum, 3>& primaries, const std::array<float, 3>& rgb,
+                             const Wavelengths& w) {
+  return primaries[0].eval(w) * rgb[0] + primaries[1].eval(w) * rgb[1] + primaries[2].eval(w) * rgb[2];
+}
+
 }  // namespace aureole

@@ -9,6 +9,7 @@
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/measured/incident_side.h"
 #include "aureole/bsdf/measured/klems_matrix.h"
+#include "aureole/bsdf/measured/set_sample.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/table_holder.h"
 #include "aureole/spectrum/rgb_primaries.h"
@@ -47,9 +48,7 @@ public:
     const Vec3 &i = incident_.is_exchanged(ctx) ? wo : wi, &o = incident_.is_exchanged(ctx) ? wi : wo;
     const std::array<float, 3> c = sheet_->f(side(i), transmitted, up(i), up(o));
     if (!sheet_->is_coloured()) return c[0] * std::abs(wo.z);
-    const Wavelengths& w = ctx.wavelengths;
-    return (primaries_[0].eval(w) * c[0] + primaries_[1].eval(w) * c[1] + primaries_[2].eval(w) * c[2]) *
-           std::abs(wo.z);
+    return rgb_spectrum(primaries_, c, ctx.wavelengths) * std::abs(wo.z);
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
@@ -67,11 +66,7 @@ public:
     }
     if (!(wo.z > 0)) return result;
     if ((wi.z > 0) == transmitted) wo.z = -wo.z;
-    const BsdfEval e = eval_pdf(wi, wo, ctx);
-    if (!(e.pdf[0] > 0)) return result;
-    BsdfSample& s = result.emplace();
-    s.wo = wo, s.value = e.value, s.pdf = e.pdf;
-    s.lobe = Lobe::glossy | (transmitted ? Lobe::transmit : Lobe::reflect);
+    set_sample(*this, wi, wo, ctx, Lobe::glossy | (transmitted ? Lobe::transmit : Lobe::reflect), result);
     return result;
   }
 

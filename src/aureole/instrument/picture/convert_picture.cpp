@@ -62,6 +62,15 @@ Image with_channels(const Image& image, const std::vector<std::size_t>& indices,
   return out;
 }
 
+/// All channels but alpha, at index `alpha`.
+Image without_channel(const Image& image, int alpha) {
+  std::vector<std::size_t> indices;
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < image.channel_count(); ++c)
+    if (int(c) != alpha) indices.push_back(c), names.push_back(image.channels[c]);
+  return with_channels(image, indices, names);
+}
+
 [[noreturn]] void no_channel(const std::filesystem::path& file, const std::string& wanted,
                              const Image& image) {
   throw Error({file.string(), 0, 0},
@@ -187,13 +196,9 @@ Image encoded(const Image& image, const std::optional<Tone>& tone) {
   Image colors = image;
   const int alpha = image.channel("A");
   if (alpha >= 0) {
-    std::vector<std::size_t> indices;
-    std::vector<std::string> names;
-    for (std::size_t c = 0; c < image.channel_count(); ++c)
-      if (int(c) != alpha) indices.push_back(c), names.push_back(image.channels[c]);
-    colors = with_channels(image, indices, names);
+    colors = without_channel(image, alpha);
     for (std::size_t i = 0; i < colors.pixels.size(); ++i) {
-      const float a = image.pixels[i / indices.size() * image.channel_count() + std::size_t(alpha)];
+      const float a = image.pixels[i / colors.channel_count() * image.channel_count() + std::size_t(alpha)];
       if (a > 0) colors.pixels[i] /= a;
     }
   }
@@ -216,13 +221,10 @@ Image encoded(const Image& image, const std::optional<Tone>& tone) {
 }
 
 Image without_alpha(const Image& image, std::vector<std::string>& notes, const char* format) {
-  if (image.channel("A") < 0) return image;
+  const int alpha = image.channel("A");
+  if (alpha < 0) return image;
   notes.push_back(fmt::format("a {} has no alpha: the picture is over black", format));
-  std::vector<std::size_t> indices;
-  std::vector<std::string> names;
-  for (std::size_t c = 0; c < image.channel_count(); ++c)
-    if (image.channels[c] != "A") indices.push_back(c), names.push_back(image.channels[c]);
-  return with_channels(image, indices, names);
+  return without_channel(image, alpha);
 }
 
 void check_bits(Format format, int bits, const std::filesystem::path& output) {

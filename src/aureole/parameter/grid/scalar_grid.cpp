@@ -9,7 +9,6 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
-#include <new>
 #include <type_traits>
 
 #include "aureole/core/parallel.h"
@@ -230,8 +229,7 @@ bool is_scalar_grid_file(const std::filesystem::path& file) {
 }
 
 ScalarGrid read_scalar_grid(const std::filesystem::path& file, const ScalarGridOptions& options) {
-  const SharedBytes bytes = map_file(file);
-  try {
+  return read_mapped(file, [&](const SharedBytes& bytes) {
     const Reader reader = reader_of(file, bytes.bytes);
     if (!reader) {
       const auto start = bytes.bytes.first(std::min<std::size_t>(bytes.size(), 4));
@@ -253,12 +251,7 @@ ScalarGrid read_scalar_grid(const std::filesystem::path& file, const ScalarGridO
     if (!options.array.empty() && grid.format != ".vti")
       throw Error("has one array; \"array\" chooses one of those of a .vti file");
     return grid;
-  } catch (const std::bad_alloc&) {
-    throw Error({file.string(), 0, 0}, "needs more memory than there is");
-  } catch (const Error& problem) {
-    if (!problem.where().file.empty()) throw;
-    throw Error({file.string(), problem.where().line, 0}, problem.message());
-  }
+  });
 }
 
 }  // namespace aureole

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <mutex>
-#include <new>
 
 #include "aureole/core/parallel.h"
 #include "aureole/parameter/splat/spherical_harmonics.h"
@@ -168,8 +167,7 @@ bool is_splat_file(const std::filesystem::path& file) {
 }
 
 SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOptions& options) {
-  const SharedBytes bytes = map_file(file);
-  try {
+  return read_mapped(file, [&](const SharedBytes& bytes) {
     const auto reader = splat_reader_of(file, bytes.bytes);
     if (!reader)
       throw Error(
@@ -178,12 +176,7 @@ SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOpt
     SplatCloud cloud = reader(file, bytes, options);
     finish_cloud(cloud, options);
     return cloud;
-  } catch (const std::bad_alloc&) {
-    throw Error({file.string(), 0, 0}, "needs more memory than there is");
-  } catch (const Error& problem) {
-    if (!problem.where().file.empty()) throw;
-    throw Error({file.string(), problem.where().line, 0}, problem.message());
-  }
+  });
 }
 
 }  // namespace aureole
