@@ -46,9 +46,10 @@ private:
   Target target_;
   bool names_output_ = false;
   bool required_ = false, shows_default_ = false;
-  int values_ = 0, values_each_time_ = 0;  ///< 0: determined by the target's type
+  /// numbers of values of the option; 0: determined by the target's type
+  int values_ = 0, values_each_time_ = 0;
   char separator_ = 0;
-  double min_ = 0, max_ = 0;  ///< equal: no bounds
+  double min_ = 0, max_ = 0;  ///< bounds of the value; equal: none
   std::vector<std::string> choices_;
 };
 
@@ -67,7 +68,8 @@ private:
 };
 
 struct Command {
-  /// "pigment fit" is the command "fit" of the group "pigment"; a group is a command without `declare`.
+  /// name of the command, such as "pigment fit" for the command "fit" of the group "pigment"; a group is a
+  /// command without `declare`
   std::string name, help;
   /// Declares the options and returns the function that runs after they are read. Its return value is the
   /// program's exit code. It may throw Error, which the program prints before it returns 2.

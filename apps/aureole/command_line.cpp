@@ -76,8 +76,8 @@ private:
     if (o.values_) option->expected(o.values_);
     if (o.values_each_time_) option->type_size(o.values_each_time_);
     if (!o.choices_.empty()) option->check(CLI::IsMember(o.choices_));
-    // Each use of an option takes its number of values, one if it states none: the next word may be a positional
-    // argument.
+    // Each use of an option takes the number of values that it states, or else one: the next word may be a
+    // positional argument.
     if (!option->get_positional()) option->allow_extra_args(false);
   }
   static CLI::Option* add(CLI::App& sub, const CommandOption& o, bool& target) {
@@ -98,16 +98,16 @@ private:
 
 namespace {
 
-/// The error that ended a print to standard output, or 0.
+/// The error number of a failed print to standard output, or 0.
 int output_error = 0;
 
-/// Returns the exit code of a command that ended with `code`: what it printed must have arrived. Messages on
-/// standard error may be lost.
+/// Returns the exit code of a command that ended with `code`: a failed print to standard output is an error,
+/// while messages on standard error may be lost.
 int code_with_output(int code) {
   if (std::fflush(stdout) != 0 && output_error == 0) output_error = errno;
   if (std::ferror(stdout) && output_error == 0) output_error = EIO;
   if (output_error == 0) return code;
-  // A reader that has seen enough, such as head, closes the pipe.
+  // A closed pipe is no error, since a reader that has read enough, such as head, closes it.
   if (output_error != EPIPE)
     std::fprintf(stderr, "error: standard output cannot be written: %s\n", std::strerror(output_error));
   return code == 0 ? 1 : code;
@@ -137,7 +137,8 @@ int run_commands(int argc, char** argv) {
 
 int run_command_line(int argc, char** argv) {
   open_standard_streams();
-  // A closed pipe of standard error must not end a job of hours. Errors of standard output are noticed at the end.
+  // SIGPIPE is ignored, since a closed pipe of standard error must not end a job of hours. Errors of standard
+  // output are checked at the end.
   std::signal(SIGPIPE, SIG_IGN);
   return code_with_output(run_commands(argc, argv));
 }

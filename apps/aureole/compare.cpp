@@ -14,7 +14,8 @@
 namespace aureole {
 namespace {
 
-/// A picture, and the number of replicates from which its variances come; 0 if the file does not say.
+/// A picture, and the number of replicates from which its variances were computed; 0 if the file does not
+/// state it.
 struct Pictured {
   Image image;
   int replicates = 0;
@@ -74,7 +75,7 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
   const Replicates replicates{a.replicates, b.replicates};
   int worst = 0;
   bool any_variances = false;
-  Comparison all;  // its map has the largest z of all layers
+  Comparison all;  // comparison of all layers; its map has the z of largest magnitude
   for (const std::string& layer : layers) {
     if (layers.size() > 1)
       fmt::print("{}layer      {}\n", &layer == &layers[0] ? "" : "\n", layer.empty() ? "colour" : layer);

@@ -42,7 +42,7 @@ struct LoadedBsdf {
   SpectralGrid grid;
 };
 
-/// The BSDF that reads a measured file, by its ending; empty for a scene.
+/// Returns the BSDF plug-in that reads a measured file, by the file's extension; empty for a scene.
 std::string plugin_of_file(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".bsdf") return "measured";
@@ -84,7 +84,7 @@ LoadedBsdf load_input(const ConvertOptions& options) {
   return {find_bsdf(loaded, file, id), loaded.context->grid};
 }
 
-/// count values from 0 to the largest.
+/// Returns `count` equidistant values from 0 to the largest.
 std::vector<double> steps_to(double largest, int count) {
   std::vector<double> values;
   for (int i = 0; i < count; ++i) values.push_back(largest * i / (count - 1));

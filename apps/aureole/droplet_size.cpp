@@ -47,7 +47,8 @@ double angle_deg(const std::string& option, std::string text) {
   return v;
 }
 
-/// Returns R, G, B proportional to radiance, and the value from which a pixel counts as clipped.
+/// Returns a picture with R, G, B proportional to radiance, and sets the value from which a pixel counts as
+/// clipped.
 Image linear_picture(const std::string& file, double& clip) {
   Image image = read_picture(file);
   if (image.channel("R") < 0 || image.channel("G") < 0 || image.channel("B") < 0)
@@ -60,7 +61,7 @@ Image linear_picture(const std::string& file, double& clip) {
   return image;
 }
 
-/// Prints a value with its standard error and the interval that holds it with a probability of 95 %.
+/// Prints a value with its standard error and the interval that contains it with a probability of 95 %.
 void print_value(const char* name, const char* unit, double value, double error, double most = INFINITY) {
   fmt::print("{:<14} {:.4g}{}, standard error {:.2g}{}, 95 % [{:.4g}, {:.4g}]\n", name, value, unit, error,
              unit, std::max(value - 1.96 * error, 0.0), std::min(value + 1.96 * error, most));

@@ -178,7 +178,7 @@ private:
     try {
       return at->second.key == picture_key(p, at->second.size);
     } catch (const Error&) {
-      return false;  // belongs to a figure that was not requested
+      return false;  // a result of a figure that was not requested
     }
   }
   static std::string plot_key(const GalleryPlot& p) {
@@ -206,7 +206,7 @@ private:
       if (stop_requested) return;
       if (a_.again || !is_done(p, false)) made += render(f, p);
       if (stop_requested) return;
-      // The tone may have changed, and the error if the reference has changed.
+      // Written again, since the tone may have changed, and the error if the reference has changed.
       const Image image = read_image(exr(p));
       write_png(folder_ / (p.name + ".png"), toned(image, p.tone));
       if (t.reference && &p != &*t.reference)
@@ -268,7 +268,7 @@ private:
   Gallery gallery_;
   std::vector<const GalleryFigure*> chosen_;
   fs::path folder_;
-  std::optional<OutputLock> lock_;  ///< of the page
+  std::optional<OutputLock> lock_;  ///< lock of the page
   GalleryResults results_;
   GalleryProgress progress_;
   std::string command_;

@@ -31,7 +31,7 @@ struct GonioArguments {
   std::int64_t spp = 256, seed = -1;
   int threads = 0;
   double c_step = 15, gamma_step = 5, flux = 0, lamp_flux = 0, watts = 0;
-  std::vector<double> down, along, opening;  // three numbers each, or none
+  std::vector<double> down, along, opening;  // vectors of three numbers each, or empty
   bool quiet = false;
 };
 
@@ -42,7 +42,7 @@ bool is_luminaire_file(const std::filesystem::path& file) {
   return extension == ".ies" || extension == ".ldt";
 }
 
-/// The number of steps of an angle, which must divide `whole` degrees.
+/// Returns the number of steps of an angle, which must divide `whole` degrees.
 int steps_of(const char* option, double step, double whole) {
   const double count = whole / step;
   if (!(step > 0 && count <= 3600 && std::abs(count - std::round(count)) < 1e-6))
@@ -55,7 +55,7 @@ std::string direction_text(const std::vector<double>& v) {
   return fmt::format("{:.9g}, {:.9g}, {:.9g}", v[0], v[1], v[2]);
 }
 
-/// The sensor's element. The default takes -z for down and x along the luminaire.
+/// Returns the sensor's XML element. By default -z is down and x is along the luminaire.
 std::string sensor_element(const GonioArguments& a) {
   std::vector<double> down = a.down.empty() ? std::vector<double>{0, 0, -1} : a.down;
   std::vector<double> along = a.along;
@@ -85,7 +85,7 @@ std::string sensor_element(const GonioArguments& a) {
       matrix, steps_of("--c-step", a.c_step, 360), steps_of("--gamma-step", a.gamma_step, 180) + 1, a.spp);
 }
 
-/// The user's scene with the goniophotometer for its sensor.
+/// Loads the user's scene with the goniophotometer as its sensor.
 LoadedScene load_on_goniophotometer(const GonioArguments& a) {
   LoadOptions load;
   load.defines = split_defines(a.defines);

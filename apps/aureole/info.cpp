@@ -44,13 +44,13 @@ void print_tables(const Scene& scene) {
                1e-6 * double(tables.bytes));
 }
 
-/// Whether a file begins as XML does.
+/// Whether a file begins like an XML document.
 bool is_xml(const std::filesystem::path& file) {
   if (file.extension() == ".xml") return true;
   InputFile input(file);
   std::string start(std::min<std::uint64_t>(input.size(), 4096), '\0');
   input.read(start.data(), start.size());
-  // Before the first character there may be blanks, a byte order mark and the zeros of UTF-16.
+  // Blanks, a byte order mark and the zeros of UTF-16 are skipped before the first character.
   const auto first =
       std::find_if(start.begin(), start.end(), [](unsigned char c) { return c > ' ' && c < 128; });
   return first != start.end() && *first == '<';
@@ -103,8 +103,10 @@ int info_of_scene(const std::string& file, const std::vector<std::string>& defin
 }
 
 int info(const std::string& file, const std::vector<std::string>& defines) {
-  const bool holds_splats = is_splats(file);                          // .spz is gzip, as NIfTI may be
-  const bool is_volume = !holds_splats && is_scalar_grid_file(file);  // .vti is XML, too
+  // tested by content, since .spz is a gzip file like some NIfTI files
+  const bool holds_splats = is_splats(file);
+  // tested before XML, since .vti is XML as well
+  const bool is_volume = !holds_splats && is_scalar_grid_file(file);
   if (!holds_splats && !is_volume && is_xml(file)) return info_of_scene(file, defines);
   if (!defines.empty()) throw Error("-D sets names of scenes: " + file + " is not a scene file");
   if (is_volume)

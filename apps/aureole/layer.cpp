@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // aureole layer: optical data of a sheet, a pane or a layer of a scene: direct and diffuse transmission and
-// reflection, by wavelength and for the CIE observer; haze; losses. Measured with the BSDF's own samples, so
-// that it works for any BSDF.
+// reflection, by wavelength and for the CIE observer; haze; losses. The data are measured with the BSDF's own
+// samples, so that the command works for any BSDF.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ struct LayerOptions {
   int samples = 1 << 16;
 };
 
-/// X, Y, Z of the illuminant times a spectral fraction, relative to the illuminant's Y.
+/// Returns X, Y, Z of the illuminant times a spectral fraction, relative to the illuminant's Y.
 std::array<double, 3> tristimulus(const std::vector<LightBudget>& rows, const SampledSpectrum& lamp,
                                   const SpectralGrid& grid,
                                   const std::function<double(const LightBudget&)>& fraction) {

@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-/// The text up to the first mark that ends a clause; the point of "0.7" does not.
+/// Returns the text up to the first punctuation mark that ends a clause; the point of "0.7" does not end one.
 std::string first_clause(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i)
     if ((text[i] == '.' || text[i] == ':' || text[i] == ';') &&

@@ -59,7 +59,7 @@ std::string length_text(double metres) {
   return fmt::format("{:.4g} nm", metres * 1e9);
 }
 
-/// CIE 1931 chromaticity coordinates and an sRGB colour.
+/// Returns CIE 1931 chromaticity coordinates and an sRGB colour as text.
 std::string colour_text(const std::array<double, 3>& c) {
   const double sum = c[0] + c[1] + c[2];
   if (!(sum > 1e-6)) return "black";
@@ -76,7 +76,7 @@ std::string colour_text(const std::array<double, 3>& c) {
 
 std::string phase_plot(const Medium& medium, const std::string& target, const Vec3& p, const Vec3& d) {
   const SpectralGrid& grid = medium.properties().context().grid;
-  // Blue, green and red if the scene covers them.
+  // Wavelengths of the plot's lines: blue, green and red if the scene covers them.
   std::vector<std::pair<double, const char*>> lines{{450, "#2050c0"}, {550, "#208030"}, {650, "#c03020"}};
   if (grid.min_nm > 450 || grid.max_nm < 650)
     for (std::size_t i = 0; i < 3; ++i)

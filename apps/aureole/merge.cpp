@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-/// Hint for a missing file, whose name may be a picture's or that name with ".state" appended.
+/// Returns a hint for a missing file, whose name may be a picture's or that name with ".state" appended.
 std::string where_state_is(const std::filesystem::path& given) {
   std::filesystem::path picture = given;
   if (picture.extension() == ".state") picture.replace_extension();

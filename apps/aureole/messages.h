@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// Prints to standard error. Where that cannot be written, a closed pipe or a full disc, the work goes on: a message
-/// that nobody gets must not cost a picture.
+/// Prints to standard error. A print that fails, because of a closed pipe or a full disc, is ignored, since a
+/// lost message must not end a rendering.
 template <class... Values>
 void tell(fmt::format_string<Values...> format, Values&&... values) {
   std::fputs(fmt::format(format, std::forward<Values>(values)...).c_str(), stderr);

@@ -38,7 +38,7 @@ std::optional<double> only(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional(values[0]);
 }
 
-/// A map with the scene that it shows, where that is known.
+/// A map, and the scene that it shows, if that is known.
 struct MapOfScene {
   PhotometricMap map;
   std::shared_ptr<const Scene> scene;
@@ -52,7 +52,7 @@ MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::pat
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const std::vector<std::string> names = loaded.scene->film().channel_names();
   const std::string meanings = channels_attribute(names, loaded.scene->film().channel_meanings());
-  // The unit is asked for before the picture is rendered.
+  // The unit is checked before the picture is rendered.
   photometric_map({.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())},
                   meanings, a.target);
   RenderOptions options;

@@ -9,7 +9,7 @@
 
 namespace aureole {
 
-/// Reads a picture and prints how its file was understood, where that is not obvious.
+/// Reads a picture and prints assumptions made on reading its file.
 Image read_picture(const std::string& file, ExrAttributes* attributes = nullptr);
 
 /// Returns the default name of a scene's output: the scene's own name with another extension, in the working folder.

@@ -16,7 +16,7 @@
 namespace aureole {
 namespace {
 
-/// Text of a file as one line of limited length, without control characters.
+/// Returns text of a file as one line of limited length, without control characters.
 std::string one_line(std::string text) {
   constexpr std::size_t kLongest = 200;
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -34,7 +34,7 @@ int number(const ExrAttributes& a, const std::string& name, int otherwise) {
   return at == a.integers.end() ? otherwise : at->second;
 }
 
-/// The meaning of a channel that no attribute describes, by the names in use.
+/// Returns the meaning of a channel that no attribute describes, by customary names.
 std::string usual_meaning(const Image& image, const std::string& name) {
   constexpr std::string_view kVariance = "variance.";
   if (name.starts_with(kVariance))
@@ -77,13 +77,13 @@ void print_channels(const Image& image, const std::string& described) {
   }
 }
 
-/// The first sentence of an integrator's documentation; empty for an unknown one.
+/// Returns the first sentence of an integrator's documentation; empty for an unknown integrator.
 std::string estimate_of(const std::string& integrator) {
   const PluginInfo* plugin = Registry::instance().find("integrator", integrator);
   return plugin ? plugin->doc.summary.substr(0, plugin->doc.summary.find(". ")) : "";
 }
 
-/// Prints what aureole writes into the headers of its pictures.
+/// Prints the attributes that aureole writes into the headers of its pictures.
 void print_origin(const ExrAttributes& a, const std::filesystem::path& file) {
   fmt::print("scene        {} (hash {})\n", found(a, "scene"), found(a, "scene_hash"));
   fmt::print("rendered by  aureole {}, integrator {}, sampler {}, seed {}, {} wavelengths per path\n",
@@ -120,7 +120,7 @@ void print_colours(const Image& image) {
                                        : "primaries stated: " + one_line(image.primaries));
 }
 
-/// Prints the attributes that no other line has told.
+/// Prints the attributes that no other line has printed.
 void print_attributes(const ExrAttributes& a) {
   const auto print = [](const std::string& name, const std::string& value) {
     if (!name.starts_with("aureole:")) fmt::print("attribute    {} = {}\n", one_line(name), one_line(value));

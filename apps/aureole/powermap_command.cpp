@@ -34,8 +34,8 @@ struct Arguments {
   std::int64_t spp = -1, seed = -1;
   int threads = 0, replicates = 1;
   double time_s = 0;
-  std::vector<double> min_db, max_db;  // one number each, or none
-  // For scenes without a sensor: a map on a plane. Three numbers each, or none; `size` has two.
+  std::vector<double> min_db, max_db;  // colour limits; one number each, or none
+  // Parameters of a map on a plane, for scenes without a sensor: three numbers each, or none; `size` has two.
   std::vector<double> plane, normal, size, transmitters;
   std::string frequency;
   double cell = 0;
@@ -45,7 +45,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-/// Text such as "28 GHz" for wavelengths above 0.1 mm, else in nanometres.
+/// Returns text such as "28 GHz" for wavelengths above 0.1 mm, else in nanometres.
 std::string band_text(const PowerMap& map) {
   const double ghz = 299792458.0 / map.wavelength_m * 1e-9;
   return ghz < 3000 ? fmt::format("{:.4g} GHz", ghz) : fmt::format("{:.5g} nm", map.wavelength_m * 1e9);
@@ -78,7 +78,7 @@ Image as_image(const std::vector<PowerMap>& maps) {
   return image;
 }
 
-/// The quantity of each channel of `as_image`, with its unit, for the header of the picture.
+/// Returns the quantity of each channel of `as_image`, with its unit, for the header of the picture.
 std::vector<std::string> meanings_of(const std::vector<std::string>& channels) {
   std::vector<std::string> meanings;
   for (const std::string& name : channels)
@@ -136,7 +136,7 @@ std::string vector_text(const char* name, double x, double y, double z) {
   return fmt::format("{}=\"{:.9g}, {:.9g}, {:.9g}\"", name, x, y, z);
 }
 
-/// The unit normal of the plane.
+/// Returns the unit normal of the plane.
 std::array<double, 3> normal_of(const Arguments& a) {
   if (a.normal.empty()) return {0, 0, 1};
   const double length = std::hypot(a.normal[0], a.normal[1], a.normal[2]);
@@ -146,10 +146,11 @@ std::array<double, 3> normal_of(const Arguments& a) {
   return {a.normal[0] / length, a.normal[1] / length, a.normal[2] / length};
 }
 
-/// The name by which the scene with the plane includes the scene of the user, whose name may have any characters.
+/// The name under which the scene with the plane includes the user's scene, whose own name may contain any
+/// characters.
 constexpr const char* kSceneFile = "scene_of_the_plane";
 
-/// Returns a scene that adds a map on a plane and transmitters to that of the user.
+/// Returns a scene that adds a map on a plane and transmitters to the user's scene.
 std::string scene_with_plane(const Arguments& a) {
   for (const auto& [option, numbers] : {std::pair("--plane", a.plane), std::pair("--normal", a.normal),
                                         std::pair("--transmitter", a.transmitters)})
@@ -179,7 +180,7 @@ std::string scene_with_plane(const Arguments& a) {
   if (!has_unit || !(nm > 0))
     throw Error("--frequency " + a.frequency +
                 ": write a frequency with its unit, such as 3.5GHz, or a wavelength");
-  // The picture's right is the world's x for a horizontal map, whose up is y.
+  // Axes of the map: for a horizontal map, whose up is y, the picture's right is the world's x.
   const auto [nx, ny, nz] = normal_of(a);
   const bool is_horizontal = nx == 0 && ny == 0;
   constexpr double kBand = 5e-4;  // half of the relative width of the band
@@ -196,7 +197,7 @@ std::string scene_with_plane(const Arguments& a) {
       "</sensor>",
       std::max(1L, std::lround(a.size[0] / cell)), std::max(1L, std::lround(a.size[1] / cell)),
       nm * (1 - kBand), nm * (1 + kBand));
-  // Each transmitter radiates 1 W over the band, in all directions alike.
+  // Intensity by which each transmitter radiates 1 W over the band, uniformly in all directions.
   const double intensity = 1 / (4 * M_PI * 2 * kBand * nm);
   for (std::size_t i = 0; i + 2 < a.transmitters.size(); i += 3)
     text += fmt::format(
@@ -206,7 +207,7 @@ std::string scene_with_plane(const Arguments& a) {
   return text + "<include filename=\"$" + kSceneFile + "\"/></scene>";
 }
 
-/// Prints notes of light that a map on a plane misses.
+/// Prints notes about light that a map on a plane does not measure.
 void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
   const std::string integrator = loaded.integrator->properties().type();
   if (integrator != "ptracer")
@@ -235,7 +236,7 @@ void note_missing_light(const Arguments& a, const LoadedScene& loaded) {
 LoadedScene load_map(const Arguments& a) {
   LoadOptions load;
   load.defines = split_defines(a.defines);
-  const bool has_segments = a.diffraction_model == "segments";  // finds more of a lamp's light by `path`
+  const bool has_segments = a.diffraction_model == "segments";  // `path` finds more of a lamp's light
   load.integrator = has_segments && a.integrator.empty() ? "path" : a.integrator;
   if (a.max_depth != kNotGiven && a.max_depth < -1)
     throw Error(fmt::format("--max-depth {}: must be at least -1, which is no limit", a.max_depth));
@@ -253,7 +254,8 @@ LoadedScene load_map(const Arguments& a) {
       if (given) throw Error(std::string(option) + ": is for maps by --plane");
     return load_scene(a.scene, load);
   }
-  load.fallback_integrator = "ptracer";  // finds light of a point by way of walls that are mirrors
+  load.fallback_integrator =
+      "ptracer";  // light tracing finds light of a point that arrives by way of mirrors
   load.radio_materials = true;
   load.defines.emplace_back(kSceneFile, std::filesystem::path(a.scene).filename().string());
   return load_scene_from_string(scene_with_plane(a), std::filesystem::path(a.scene).parent_path() / "--plane",

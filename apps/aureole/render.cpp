@@ -92,7 +92,7 @@ private:
 /// Updates the PNG, or the picture in a viewer, every few seconds while a job runs.
 class Preview {
 public:
-  /// Without `has_png` the viewer alone is updated, and without a viewer the PNG alone.
+  /// Prepares previews. Without `has_png` the viewer alone is updated, and without a viewer the PNG alone.
   Preview(const RenderJob& job, std::filesystem::path output, const std::optional<Tone>& tone, bool has_png,
           std::unique_ptr<TevViewer> viewer)
       : job_(job),
@@ -217,8 +217,8 @@ void check_numbers(const Arguments& a) {
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 }
 
-/// Throws Error if the pictures of a job cannot be written, or another program writes them, and locks them. Replaying
-/// a pixel writes none.
+/// Locks the pictures of a job. Throws Error if they cannot be written, or another program writes them.
+/// Replaying a pixel writes no pictures.
 void require_output(const Arguments& a, const std::filesystem::path& output,
                     std::optional<OutputLock>& lock) {
   for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
@@ -302,7 +302,7 @@ RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, 
   }
   std::string problem;
   return job.run(stop_requested, [&](const Progress& p) {
-    // `report` is called from the thread that writes checkpoints.
+    // The problem is compared, since `report` is called from the thread that writes checkpoints.
     if (job.checkpoint_problem() != problem) {
       problem = job.checkpoint_problem();
       line.clear();
@@ -334,7 +334,8 @@ void print_speed(const RenderState& state) {
        state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
 }
 
-/// Writes the pictures of a job and, where they have to go elsewhere, also its state. Returns the file written.
+/// Writes the pictures of a job and, where they cannot be written to their own path, also its state. Returns
+/// the file written.
 WrittenFile write_results(const Arguments& a, const std::filesystem::path& output, const RenderState& state) {
   const auto beside = [](std::filesystem::path file, const char* extension) {
     return file.replace_extension(extension);
@@ -370,7 +371,7 @@ int report(const Arguments& a, const std::filesystem::path& output, const Render
     tell("error: no sample was valid\n");
     return 1;
   }
-  // A part, or an interrupted job, is its state file.
+  // The result of a part, or of an interrupted job, is its state file.
   if (!job.checkpoint_problem().empty() && (!a.samples.empty() || outcome != RenderJob::Outcome::finished)) {
     tell("error: the samples are in the picture alone, there is no state file of them to {}: {}\n",
          a.samples.empty() ? "resume from" : "merge", job.checkpoint_problem());

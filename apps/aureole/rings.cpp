@@ -35,7 +35,7 @@ struct RingsOptions {
   std::string pane_distance = "0.5m", lamp_distance = "14m", lamp_diameter = "36mm";
   double area_fraction = 0.5, fov = 30, smooth = 0.25;
   std::vector<double> at, azimuths{0, 360};
-  std::vector<double> masks;  ///< x, y, radius in pixels of excluded discs
+  std::vector<double> masks;  ///< excluded discs: x, y and radius in pixels of each
 };
 
 CoronaProfile measure(const PictureParts& parts, const Image& image, const PinholeCamera& camera,
@@ -61,7 +61,8 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
   const optics::ScattererLayer layer(a, correlation, o.area_fraction);
   const LampSpectrum spectrum = lamp_spectrum(o.illuminant);
 
-  // One sum over wavelengths serves all directions: it depends on s = |(w - v)_xy| only.
+  // Size of a table of the sum over wavelengths, which serves all directions: it depends on s = |(w - v)_xy|
+  // only.
   constexpr int kTable = 4000;
   constexpr double kLargest = 0.2;
   std::vector<std::array<double, 3>> rgb(kTable + 1);
@@ -84,7 +85,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
       const Direction v = unit({lamp_direction.x + t * (c * right.x + s * up.x),
                                 lamp_direction.y + t * (c * right.y + s * up.y),
                                 lamp_direction.z + t * (c * right.z + s * up.z)});
-      // Uses only angles inside the picture.
+      // Uses only directions inside the picture.
       const double px = camera.center_x + v.x / v.z / camera.tangent_per_pixel;
       const double py = camera.center_y - v.y / v.z / camera.tangent_per_pixel;
       if (px < 0 || py < 0 || px >= width || py >= height) continue;
@@ -93,7 +94,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
       double sum[3] = {};
       for (int ring = 0; ring < kRings; ++ring)
         for (int spoke = 0; spoke < kSpokes; ++spoke) {
-          // Rings of equal area of the source's disc.
+          // Radii of rings of equal area of the source's disc.
           const double r = lamp_radius * std::sqrt((ring + 0.5) / kRings),
                        f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
           const double e = r * std::cos(f), h = r * std::sin(f);
@@ -101,7 +102,8 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
                              lamp.y + e * right.y + h * up.y - on_pane.y,
                              lamp.z + e * right.z + h * up.z - on_pane.z};
           const Direction w = unit(to);
-          // 1/d^2 for the solid angle of the source from here; w.z for the cosine at the pane.
+          // Weight with 1/d^2 for the solid angle of the source from the pane, and w.z for the cosine at the
+          // pane.
           const double weight = w.z / dot(to, to) / (kRings * kSpokes);
           const double x = std::min(std::hypot(w.x - v.x, w.y - v.y) / kLargest, 1.0) * kTable;
           const int k = std::min(int(x), kTable - 1);

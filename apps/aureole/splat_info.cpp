@@ -23,7 +23,7 @@ void print_splats(const std::filesystem::path& file) {
   fmt::print("count        {} {}\n", cloud.size(), is_points ? "points" : "Gaussian splats");
   fmt::print("axes         {} in the file; here x right, y up, z back\n", cloud.axes);
   Bounds3 box;
-  float least = kInfinity, most = 0;  // of scales, or of radii
+  float least = kInfinity, most = 0;  // smallest and largest scale, or radius
   double opacity = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     box.extend(cloud.positions[i]);

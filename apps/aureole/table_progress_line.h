@@ -8,7 +8,7 @@
 
 namespace aureole {
 
-/// A time such as "0:05" or "1:02:03".
+/// Returns a time as text, such as "0:05" or "1:02:03".
 std::string clock_text(double seconds);
 
 /// A callback for `LoadOptions::progress` while a scene is loaded. It prints on terminals only, starting

@@ -49,7 +49,8 @@ void print_volume(const std::filesystem::path& file) {
   const std::array<double, 3> d = grid.spacing();
   for (std::size_t k = 0; k < 3; ++k)
     fmt::print("{:<12} {} along ({:.6f}, {:.6f}, {:.6f})\n", k == 0 ? "orientation" : "", "xyz"[k],
-               m[0][k] / d[k] + 0.0, m[1][k] / d[k] + 0.0, m[2][k] / d[k] + 0.0);  // 0 instead of -0
+               // the sum with 0 makes 0 out of -0
+               m[0][k] / d[k] + 0.0, m[1][k] / d[k] + 0.0, m[2][k] / d[k] + 0.0);
   const auto [low, high] = grid.range();
   fmt::print("values       {} to {}\n", shown_number(low), shown_number(high));
   try {

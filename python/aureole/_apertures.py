@@ -39,14 +39,14 @@ def circle(radius: float) -> ApertureShape:
 
 
 def ellipse(radius_x: float, radius_y: float) -> ApertureShape:
-    """An ellipse about the origin, half its axes along x and y in m, from 1 nm to 1 m."""
+    """An ellipse about the origin, its semi-axes along x and y in m, from 1 nm to 1 m."""
     return _aureole.ellipse_aperture(_length("radius_x", radius_x), _length("radius_y", radius_y))
 
 
 def annulus(radius: float, inner_radius: float) -> ApertureShape:
     """The ring between two circles about the origin, radii in m, from 1 nm to 1 m.
 
-    `inner_radius` is smaller by a millionth of `radius` at least.
+    `inner_radius` must be smaller than `radius` by at least a millionth of it.
     """
     outer, inner = _length("radius", radius), _length("inner_radius", inner_radius)
     if not inner <= 0.999999 * outer:
@@ -197,7 +197,7 @@ def _flag(name: str, value: Any) -> bool:
 
 
 def _around(radii: Union[List[float], Tuple[float, ...]]) -> npt.NDArray[np.float64]:
-    """Corners at equal angles, counter-clockwise from the y axis."""
+    """Returns corners at equal angles, counter-clockwise from the y axis."""
     angles = [math.pi * (0.5 + 2 * i / len(radii)) for i in range(len(radii))]
     return np.array([[r * math.cos(a), r * math.sin(a)] for r, a in zip(radii, angles)])
 

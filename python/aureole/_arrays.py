@@ -13,7 +13,7 @@ from ._errors import Error
 
 def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Optional[float] = None,
          positive: bool = False, unit: str = "") -> npt.NDArray[np.float64]:
-    """The argument `name` as an array of finite real numbers.
+    """Returns the argument `name` as an array of finite real numbers.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
 
 
 def complex_numbers(name: str, value: Any) -> npt.NDArray[np.complex128]:
-    """The argument `name` as an array of finite real or complex numbers."""
+    """Returns the argument `name` as an array of finite real or complex numbers."""
     try:
         array = np.asarray(value)
     except (ValueError, OverflowError, RecursionError) as e:
@@ -72,7 +72,7 @@ def complex_numbers(name: str, value: Any) -> npt.NDArray[np.complex128]:
 
 
 def scalar(name: str, value: Any, **limits: Any) -> float:
-    """The argument `name` as one finite real number; `limits` as in `real`."""
+    """Returns the argument `name` as one finite real number; `limits` as in `real`."""
     array = real(name, value, **limits)
     if array.size != 1:
         raise Error(f"{name}: expected one number, got an array of shape {array.shape}")
@@ -80,7 +80,7 @@ def scalar(name: str, value: Any, **limits: Any) -> float:
 
 
 def integer(name: str, value: Any, *, minimum: Optional[int] = None, maximum: Optional[int] = None) -> int:
-    """The argument `name` as one integer."""
+    """Returns the argument `name` as one integer."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
         got = f"an array of {value.dtype}" if isinstance(value, np.ndarray) else f"{type(value).__name__} {shown(value)}"
         raise TypeError(f"{name}: expected an integer, got {got}")
@@ -92,14 +92,14 @@ def integer(name: str, value: Any, *, minimum: Optional[int] = None, maximum: Op
 
 
 def flag(name: str, value: Any) -> bool:
-    """The argument `name` as True or False."""
+    """Returns the argument `name` as True or False."""
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name}: expected True or False, got {type(value).__name__} {shown(value)}")
     return bool(value)
 
 
 def text(name: str, value: Any) -> str:
-    """The argument `name` as a string that can be written as UTF-8."""
+    """Returns the argument `name` as a string that can be written as UTF-8."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: expected a string, got {type(value).__name__}")
     try:
@@ -110,7 +110,7 @@ def text(name: str, value: Any) -> str:
 
 
 def file_path(name: str, value: Any) -> str:
-    """The argument `name` as the path of a file."""
+    """Returns the argument `name` as the path of a file."""
     try:
         path = os.fsdecode(value)
         os.fsencode(path)
@@ -126,16 +126,16 @@ def file_path(name: str, value: Any) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value as text for an error message; long ones are cut, and repr() may raise."""
+    """Returns a value as text for an error message; a long text is cut, and repr() may raise."""
     try:
         written = repr(value)
-    except Exception:  # too deep, too many digits, or the object's own
+    except Exception:  # nesting too deep, too many digits, or an exception of the object's own
         return "that cannot be shown"
     return written if len(written) < 60 else f"{written[:57]}..."
 
 
 def _refuse_axes(name: str, array: npt.NDArray[Any]) -> None:
-    if array.ndim > 16:  # numpy's own limits are 32 here and 64 there
+    if array.ndim > 16:  # bound of dimensions, since numpy's own limit is 32 in some versions and 64 in others
         raise Error(f"{name}: expected at most 16 axes, got {array.ndim}")
 
 

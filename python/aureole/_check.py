@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`check`: is a BSDF right? Numbers, a readable report, and plots of what was found."""
+"""`check`: tests whether a BSDF is correct, with numbers, a readable report, and plots of the results."""
 from __future__ import annotations
 
 import html
@@ -75,9 +75,9 @@ class CheckRecord:
 
     @property
     def severity(self) -> float:
-        """How near to failing, or how far beyond: above 1 where the record failed."""
+        """How near the record is to failing: above 1 where it failed."""
         if self.p_value is not None:
-            # In decades, so that 0.02 and 1e-300 can be told apart.
+            # The severity counts decades, so that 0.02 and 1e-300 can be told apart.
             return float(np.log(max(self.p_value, 1e-300)) / np.log(self.limit))
         if np.isnan(self.figure):
             return float("inf")
@@ -170,7 +170,7 @@ class CheckReport:
         return [c.message for c in self.checks if not c.passed]
 
     def raise_if_failed(self) -> "CheckReport":
-        """The report itself; or an `AssertionError` with the problems, for tests of your own."""
+        """Returns the report itself, or raises an `AssertionError` with the problems, for your own tests."""
         if not self.passed:
             raise AssertionError(str(self))
         return self
@@ -180,7 +180,7 @@ class CheckReport:
         return [kind for kind, *_ in _KINDS if any(c.kind == kind and not c.passed for c in self.checks)]
 
     def worst(self, kind: str) -> Optional[CheckRecord]:
-        """The record of `kind` that is nearest to failing or failed most; None where nothing of the kind was tested."""
+        """Returns the record of `kind` that is nearest to failing or failed most; None where no test of that kind was made."""
         text("kind", kind)
         records = [c for c in self.checks if c.kind == kind]
         return max(records, key=lambda c: (not c.passed, c.severity)) if records else None
@@ -277,7 +277,7 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
           progress: Optional[Callable[[float], Any]] = None, two_sided: Optional[bool] = None, may_fail: bool = True,
           index_ratio: Optional[float] = None, largest_energy: float = 1, tolerance: float = 2e-3,
           mode: str = "importance") -> CheckReport:
-    """Checks that a BSDF is one, by numbers.
+    """Checks numerically that a BSDF is consistent.
 
     For directions of incidence at 20, 60 and 85 degrees above and below the surface: samples follow the density
     (chi-square), densities integrate to one, no energy is gained, samples carry the energy that `eval` has. For random
@@ -395,7 +395,7 @@ def _report(name: str, data: Dict[str, Any], samples: int, significance: float, 
 
 
 def _albedo(data: Dict[str, Any]) -> Tuple[Array, Array, Array]:
-    """Angles, wavelengths and energies sorted by both, each angle once."""
+    """Returns angles and wavelengths, each once, and the energies sorted by both."""
     directions, nm, energies = data["energy_directions"], data["energy_wavelengths"], data["energies"]
     if not len(directions):
         return np.empty(0), np.empty(0), np.empty((0, 0))

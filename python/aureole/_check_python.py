@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BSDFs written in Python, as `aureole.check` asks them: many directions for each call."""
+"""BSDFs written in Python, evaluated for `aureole.check` with many directions in each call."""
 from __future__ import annotations
 
 from typing import Any, Tuple
@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 
 class _Lenient(Adapter):
-    """Lets invalid numbers through: the check is there to find them."""
+    """An adapter that accepts invalid numbers, since the check is meant to find them."""
 
     def _numbers(self, method: str, what: str, value: Any, n: int) -> Array:
         array = np.asarray(value)
@@ -37,7 +37,7 @@ class Batch:
         self._takes_uv = any("uv" in names for names in self.adapter._extra.values())
 
     def _rows(self, n: int, m: int, wavelengths: Array, *vectors: Array) -> Tuple[Array, ...]:
-        """Each row of the vectors m times, the wavelengths n times, and texture coordinates."""
+        """Returns each row of the vectors m times, the wavelengths n times, and texture coordinates."""
         uv = np.broadcast_to(np.array([0.31, 0.64]), (n * m, 2))
         return (*(np.repeat(v, m, axis=0) for v in vectors), np.tile(wavelengths, n), uv.copy() if self._takes_uv else uv)
 
@@ -66,7 +66,7 @@ class Batch:
         other = np.flatnonzero(~delta & ~same.all(1) & valid[:, 0])
         if other.size:
             value[other], pdf[other] = self.eval_pdf(wi[other], wo[other, 0], wavelengths, mode)
-        # Where a class does not say which of its lobes it was, the side does.
+        # The side determines the lobe where a class does not state which of its lobes was sampled.
         same_side = wi[:, 2] * wo[:, 0, 2] > 0
         both = int(Lobe.reflect) | int(Lobe.transmit)
         unsaid = (first & both) == both

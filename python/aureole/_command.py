@@ -8,8 +8,8 @@ def main() -> int:
     """Runs the command line of the program with the process's arguments and returns its exit code."""
     from ._aureole import run_command_line
 
-    # As a program finds them: Python catches SIGINT, which the program's own handlers replace where a render can be stopped, and
-    # ignores SIGPIPE.
+    # The signal handlers of a program: Python catches SIGINT, which the program's own handlers replace where
+    # a render can be stopped, and ignores SIGPIPE.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     arguments = sys.argv[1:]

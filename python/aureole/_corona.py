@@ -19,7 +19,7 @@ Lamp = Union[str, float, Tuple[npt.ArrayLike, npt.ArrayLike]]
 
 
 def layer(bsdf: Any, radius: Any, area_fraction: Any, correlation: Any, scatterer: Any) -> Tuple[Any, Optional[float]]:
-    """The layer that the arguments describe, and the radius in m where it is known."""
+    """Returns the layer that the arguments describe, and the radius in m where it is known."""
     if bsdf is not None:
         for name, value in (("radius", radius), ("area_fraction", area_fraction), ("correlation", correlation),
                             ("scatterer", scatterer)):
@@ -62,7 +62,7 @@ def layer(bsdf: Any, radius: Any, area_fraction: Any, correlation: Any, scattere
 
 
 def field_of(radius: Optional[float]) -> float:
-    """Half the angle in degrees that shows three rings in red light."""
+    """Returns half the field of view in degrees that contains three rings in red light."""
     if radius is None:
         return 6.0
     return math.degrees(math.asin(min(0.7, 3.24 * 0.5 * 650e-9 / radius)))
@@ -73,14 +73,14 @@ def radiance(bsdf: Any, x: Array, y: Array, wavelengths: Array) -> Array:
     layer and square to it."""
     angle = np.radians(np.hypot(x, y))
     along = -np.sinc(angle / np.pi) * math.pi / 180
-    # From the layer to the eye, opposite to its direction of view; from the layer to the lamp.
+    # Directions from the layer to the eye, opposite to the view direction, and from the layer to the lamp.
     wi = np.stack([along * x, along * y, np.cos(angle)], -1)
     values = bsdf.eval(wi[..., None, :], np.array([0.0, 0.0, -1.0]), wavelengths)
     return np.asarray(values, np.float64)
 
 
 def lamp_colours(lamp: Any, wavelengths: Array) -> Tuple[Array, Array]:
-    """Wavelengths at which to know the layer, and the matrix (n, 3) that takes values there to linear sRGB; the lamp
+    """Returns wavelengths at which the layer is evaluated, and the matrix (n, 3) that takes values there to linear sRGB; the lamp
     has Y = 1."""
     if isinstance(lamp, str):
         identity = spectrum.to_xyz(wavelengths, np.eye(wavelengths.size), lamp, outside="nearest")
@@ -96,7 +96,7 @@ def lamp_colours(lamp: Any, wavelengths: Array) -> Tuple[Array, Array]:
     if at.ndim != 1 or at.size < 2 or np.any(np.diff(at) <= 0) or power.shape != at.shape:
         raise Error("lamp: expected increasing wavelengths and as many powers, "
                     f"got shapes {at.shape} and {power.shape}")
-    # The light's own wavelengths, too: its spectrum may have lines.
+    # The light's own wavelengths are included, since its spectrum may have lines.
     inside = at[(at > wavelengths[0]) & (at < wavelengths[-1])]
     both = np.unique(np.concatenate([wavelengths, inside]))
     if both.size > 2000:
@@ -113,7 +113,8 @@ def picture(bsdf: Any, lamp: Lamp, lamp_diameter: float, field: float, resolutio
     illuminance."""
     nm, to_rgb = lamp_colours(lamp, wavelengths)
     pixel = 2 * field / resolution
-    # Pixels beyond the edges shine into the picture where the lamp is not a point.
+    # The margin holds pixels beyond the edges, whose light spreads into the picture where the lamp is not a
+    # point.
     margin = math.ceil(0.5 * lamp_diameter / pixel) if lamp_diameter > 0.5 * pixel else 0
     n = resolution + 2 * margin
     at: Array = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * pixel
@@ -130,7 +131,7 @@ def picture(bsdf: Any, lamp: Lamp, lamp_diameter: float, field: float, resolutio
 
 
 def disc(half: int, radius: float) -> Array:
-    """Weights (2 half + 1, 2 half + 1), of sum one, of the pixels of a disc whose radius is `radius` pixels."""
+    """Returns weights (2 half + 1, 2 half + 1), of sum one, of the pixels of a disc whose radius is `radius` pixels."""
     over = 8
     at = (np.arange((2 * half + 1) * over) + 0.5) / over - half - 0.5
     inside = (at[:, None] ** 2 + at[None, :] ** 2 <= radius**2).astype(np.float64)
@@ -140,7 +141,7 @@ def disc(half: int, radius: float) -> Array:
 
 def display(linear: Array) -> Array:
     """sRGB for the screen of linear values. Colours outside of its gamut are mixed with grey of the same luminance, as little as
-    is needed: hues stay, and colours that are too bright become white by way of paler colours."""
+    is needed: hues do not change, and colours that are too bright become paler, up to white."""
     grey = np.clip(linear @ np.array([0.2126, 0.7152, 0.0722]), 0, 1)[..., None]
     away = linear - grey
     with np.errstate(divide="ignore", invalid="ignore"):

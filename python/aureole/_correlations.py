@@ -14,7 +14,7 @@ from ._errors import Error
 from ._vectorised import broadcast, choice, last_axis, limit_results, shaped
 
 Reals = npt.NDArray[np.float64]
-_MOST_QA = 1e4  # means over rings of anisotropic patterns take time and memory with it
+_MOST_QA = 1e4  # upper bound of |q| a: time and memory of means over rings of anisotropic patterns grow with it
 
 
 class HardDiscs(NamedTuple):
@@ -101,7 +101,7 @@ class StructureFactor:
 
     @property
     def is_isotropic(self) -> bool:
-        """S' depends on |q| alone."""
+        """Whether S' depends on |q| alone."""
         return self._compiled.is_isotropic
 
     def __call__(self, qa: npt.ArrayLike) -> Reals:
@@ -400,7 +400,7 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
     freedom = len(number) - 2
     error = np.sqrt(len(number) / freedom * (influence**2).sum(axis=0))
     reach = _student(freedom) * error
-    empty = 3.69 / (0.5 * expected * area)  # exp(-3.69) = 0.025
+    empty = 3.69 / (0.5 * expected * area)  # limit at which the probability exp(-3.69) of an empty bin is 0.025
     high = np.where(g > 0, g + reach, empty)
     return PairCorrelation(0.5 * (bounds[1:] + bounds[:-1]), g, error, np.maximum(g - reach, 0.0), high)
 
@@ -466,14 +466,15 @@ def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_ma
         s, error = result = np.empty((2, q.size))
         _aureole.window_structure_factor(points, sides[0], sides[1], q, result)
         return PointStructureFactor(q, s, error, np.maximum(s - 1.96 * error, 0.0), s + 1.96 * error)
-    # A snapshot cannot be interrupted, so its size is limited: it takes about a nanosecond per point and vector.
+    # The work of a snapshot is limited, since it cannot be interrupted: it takes about a nanosecond per point and vector.
     vectors = min(wanted * (bounds.size - 1.0), bounds[-1] ** 2 * sides[0] * sides[1] / (8 * np.pi) + 4 * 1024)
     if vectors * count > 2**34:
         raise Error(f"per_ring: expected at most 2^34 for points times wave vectors, got {count} x {vectors:.0f}")
     found = np.empty((3, bounds.size - 1))
     filled = _aureole.ring_structure_factor(points, sides[0], sides[1], np.ascontiguousarray(bounds), wanted, found)
     q, s, seen = found[:, :filled]
-    # Means of exponentially distributed powers; quantiles of chi^2 by Wilson & Hilferty (1931).
+    # Effective degrees of freedom of means of exponentially distributed powers; quantiles of chi^2 by Wilson
+    # & Hilferty (1931).
     freedom = 2 * seen * len(points)
     low, high = (s / (1 - 2 / (9 * freedom) + z * np.sqrt(2 / (9 * freedom))) ** 3 for z in (1.96, -1.96))
     return PointStructureFactor(q, s, s / np.sqrt(0.5 * freedom), low, high)
@@ -501,13 +502,13 @@ def _columns(first: str, a: Any, second: str, b: Any) -> Tuple[Reals, Reals]:
 
 
 def _student(freedom: int) -> float:
-    """97.5 % quantile of Student's t, by its expansion about the normal one (Abramowitz & Stegun 26.7.5)."""
+    """Returns the 97.5 % quantile of Student's t, by its expansion about the normal one (Abramowitz & Stegun 26.7.5)."""
     z = 1.959964
     return z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
 
 
 def _points(positions: Any, box: Any, periodic: bool) -> Tuple[Reals, Reals]:
-    """Positions (fields, n, 2) within the box, and its sides."""
+    """Returns positions (fields, n, 2) within the box, and the sides of the box."""
     sides = real("box", box, positive=True, minimum=1e-100, maximum=1e100)
     if sides.shape not in ((), (2,)):
         raise Error(f"box: expected one number or two, got shape {sides.shape}")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes as nested dicts, as Mitsuba writes them: dicts become the elements of a scene file, one a line, so that what the
-reader of scene files says about a line can be said about an entry of the dict."""
+"""Scenes as nested dicts, as Mitsuba writes them: dicts become the elements of a scene file, one on each line, so that
+messages of the scene reader about a line can be given for an entry of the dict."""
 from __future__ import annotations
 
 import hashlib
@@ -25,7 +25,7 @@ _ENTITIES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"
 
 
 def quoteattr(text: str) -> str:
-    """The value of an attribute of XML, in quotes. (`xml.sax.saxutils` has it, too, but takes as long to import as all of this package.)"""
+    """The value of an attribute of XML, in quotes. (`xml.sax.saxutils` has such a function, but takes as long to import as all of this package.)"""
     return f'"{text.translate(_ENTITIES)}"'
 
 
@@ -48,12 +48,12 @@ def plugins() -> Dict[Tuple[str, str], Plugin]:
 
 @lru_cache(maxsize=None)
 def families() -> List[str]:
-    """The families of plug-ins, which are the elements of scene files."""
+    """Returns the families of plug-ins, which are the elements of scene files."""
     return sorted({family for family, _ in plugins()})
 
 
 class SceneText(NamedTuple):
-    """A scene made of dicts: its text, what each line came from, and the objects that it refers to by key."""
+    """A scene made of dicts: its text, the entry from which each line was made, and the objects that it refers to by key."""
 
     text: str
     places: List[str]
@@ -68,7 +68,7 @@ class Writer:
         self.places: List[str] = []
         self.given: Dict[str, Any] = {}
         self.problems: List[Problem] = []
-        self._open: List[int] = []  # ids of the dicts being written: one may contain itself
+        self._open: List[int] = []  # identities of the dicts being written, since a dict may contain itself
 
     def problem(self, place: str, message: str) -> None:
         self.problems.append(Problem(message, place))
@@ -153,7 +153,7 @@ class Writer:
             self.give(label, key, _aureole.Array(data), place)
 
     def object(self, label: str, value: Any, place: str) -> None:
-        matrix = getattr(value, "matrix", None)  # transforms of Mitsuba
+        matrix = getattr(value, "matrix", None)  # attribute of Mitsuba's transforms
         if matrix is not None and np.shape(matrix) == (4, 4):
             self.transform(label, matrix, place)
             return
@@ -223,7 +223,7 @@ class Writer:
                 continue
             parameter = known.parameters.get(key) if known else None
             if parameter is None and known and isinstance(child, Mapping):
-                # A child under a name of the user's: it is one of those that the plug-in takes.
+                # A child under a name that the user chose, of one of the families that the plug-in accepts.
                 accepted = " ".join(p[0] for p in known.parameters.values())
                 self.mapping(key, child, f"{place}.{key}", accepted)
             else:
@@ -273,7 +273,7 @@ class Writer:
         if len(found) > 1 and expected:
             words = re.findall(r"[a-z]+", expected)
             found = [family for family in found if family in words] or found
-        if not found:  # an alias, or a name that the reader knows better to complain about
+        if not found:  # an alias, or a name about which the reader gives the better error
             words = re.findall(r"[a-z]+", expected or "")
             found = [family for family in families() if family in words] or _alias_families(kind)
         if not found:
@@ -283,7 +283,7 @@ class Writer:
 
 
 def other_families(kind: Any) -> List[str]:
-    """The families, the preferred one first, of a type whose family a dict that stands alone does not tell; else nothing."""
+    """Returns the families that have a plug-in of that type, the preferred one first, where a single dict does not state its family; else nothing."""
     found = [family for family in families() if (family, kind) in plugins()] if isinstance(kind, str) else []
     return sorted(found, key=_preference) if len(found) > 1 else []
 
@@ -309,7 +309,8 @@ def _numbers(values: Any) -> str:
 
 
 def _attribute(text: str) -> str:
-    # $name would be a parameter of the scene file; line ends would become blanks.
+    # A dollar sign is escaped, since $name would be a parameter of the scene file; line ends would become
+    # blanks.
     text = text.replace("\\$", "$").replace("$", "\\$")
     return quoteattr(text)
 
@@ -352,7 +353,7 @@ class Transform:
 
     @staticmethod
     def rotate(axis: Any, angle: float) -> "Transform":
-        """Turns about `axis` by `angle` in degrees, counter-clockwise as seen from its tip."""
+        """Rotates about `axis` by `angle` in degrees, counter-clockwise as seen from its tip."""
         a = _vector("axis", axis)
         length = float(np.linalg.norm(a))
         if not length > 0:
@@ -366,7 +367,7 @@ class Transform:
 
     @staticmethod
     def look_at(origin: Any, target: Any, up: Any = (0, 1, 0)) -> "Transform":
-        """The place of a sensor or spot at `origin` that looks at `target`: z along the view, y near `up`."""
+        """Returns the transform of a sensor or spot at `origin` that faces `target`: z along the view, y near `up`."""
         o, t, u = _vector("origin", origin), _vector("target", target), _vector("up", up)
         d = t - o
         if not np.linalg.norm(d) > 0:
@@ -386,7 +387,7 @@ class Transform:
         return Transform(self.matrix @ other.matrix)
 
     def inverse(self) -> "Transform":
-        """The transform back. Raises Error where there is none."""
+        """Returns the inverse transform. Raises Error where there is none."""
         try:
             return Transform(np.linalg.inv(self.matrix))
         except np.linalg.LinAlgError:
@@ -417,7 +418,7 @@ def scene_text(scene: Mapping[str, Any]) -> SceneText:
             if not isinstance(entry.get("type"), str) or entry["type"] not in ("ref",) + _SPECTRUM_TYPES:
                 entry.setdefault("id", key)
             writer.mapping("", entry, key, None)
-        elif callable(getattr(value, "eval", None)):  # a BSDF of Python, for references
+        elif callable(getattr(value, "eval", None)):  # a BSDF written in Python, for references
             writer.object(f" id={_attribute(key)}", value, key)
         else:
             writer.entry(key, value, key, None)

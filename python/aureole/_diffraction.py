@@ -51,7 +51,7 @@ def fresnel_integral(v: npt.ArrayLike) -> Complexes:
 
 
 def knife_edge(v: npt.ArrayLike) -> Complexes:
-    """Field behind an opaque half plane over that without it, in Fresnel's approximation.
+    """Returns the field behind an opaque half plane over the field without it, in Fresnel's approximation.
 
     Parameters
     ----------
@@ -116,8 +116,8 @@ def utd_coefficient(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, 
 
 def keller_coefficient(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, *, n: float = 2.0, sin_beta: npt.ArrayLike = 1.0,
                        polarisation: str = "soft") -> Complexes:
-    """Diffraction coefficient of a wedge of metal without transition functions, in sqrt(length): what `utd_coefficient` is far from
-    the boundaries of shadow and reflection, where this is infinite. Arguments as there.
+    """Diffraction coefficient of a wedge of metal without transition functions, in sqrt(length): the limit of `utd_coefficient` far
+    from the boundaries of shadow and reflection, where it is infinite. Arguments as there.
 
     References
     ----------
@@ -156,12 +156,12 @@ def point_source_distance(s_i: npt.ArrayLike, s: npt.ArrayLike, sin_beta: npt.Ar
 
 
 def plane_wave_spreading(s: npt.ArrayLike) -> Reals:
-    """Diffracted field at the distance s from the edge over field at the edge and D, of a plane wave: 1/sqrt(s)."""
+    """Returns the spreading factor of a plane wave, 1/sqrt(s): diffracted field at the distance s from the edge, over the field at the edge and D."""
     return of_rows(_aureole.plane_wave_spreading, s=real("s", s, positive=True))  # type: ignore[no-any-return]
 
 
 def point_source_spreading(s_i: npt.ArrayLike, s: npt.ArrayLike) -> Reals:
-    """Diffracted field at the distance s from the edge over field at the edge and D, of a wave from a point s_i before it:
+    """Returns the spreading factor, the diffracted field at the distance s from the edge over the field at the edge and D, of a wave from a point s_i before it:
     sqrt(s_i/(s (s + s_i))), in 1/sqrt(length)."""
     return of_rows(_aureole.point_source_spreading, s_i=real("s_i", s_i, positive=True), s=real("s", s, positive=True))  # type: ignore[no-any-return]
 
@@ -245,7 +245,7 @@ def radio_permittivity(material: str, frequency: npt.ArrayLike) -> Complexes:
 
 
 def radio_materials() -> Dict[str, List[RadioMaterial]]:
-    """The rows of ITU-R P.2040-3, table 3, by name; of some materials there are two ranges."""
+    """Returns the rows of ITU-R P.2040-3, table 3, by name; some materials have two ranges."""
     table: Dict[str, List[RadioMaterial]] = {}
     for name, (a, b, c, d), low, high in _aureole.radio_materials():
         table.setdefault(name, []).append(RadioMaterial(a, b, c, d, low, high))

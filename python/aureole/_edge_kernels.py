@@ -16,7 +16,7 @@ Reals = npt.NDArray[np.float64]
 
 
 def mean_edge_kernel(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, q: npt.ArrayLike, k: float, sigma: float) -> Reals:
-    """Intensity per length of edge and steradian that points of an edge scatter of even light of irradiance 1, whose
+    """Intensity per length of edge and steradian that points of an edge scatter from uniform light of irradiance 1, whose
     coherence is that of Gaussian beams with centres everywhere, exp(-r^2/(8 sigma^2)).
 
     Parameters
@@ -49,7 +49,7 @@ def mean_edge_kernel(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, q: npt
 
 def mean_edge_powers(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.ArrayLike, *,
                      lengths: Optional[npt.ArrayLike] = None) -> Reals:
-    """Power per length of edge that points of an edge scatter of even light of irradiance 1 into all directions: S, the integral
+    """Power per length of edge that points of an edge scatter from uniform light of irradiance 1 into all directions: S, the integral
     of `mean_edge_kernel` over them, for beams of more than some 5 wavelengths.
 
     Parameters
@@ -119,7 +119,7 @@ def drawn_edge_kernels(edges: npt.ArrayLike, index: int, normal: npt.ArrayLike, 
 
 def straight_edge_kernels(across: npt.ArrayLike, along: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.ArrayLike, *,
                           shown: npt.ArrayLike = 1.0) -> Reals:
-    """Intensity per length and steradian that a straight edge far from all others scatters of even light of irradiance 1, the
+    """Intensity per length and steradian that a straight edge far from all others scatters from uniform light of irradiance 1, the
     gradient of the amplitude along it included.
 
     Parameters

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Headers that are compiled once for all files of the library (AUREOLE_PRECOMPILED_HEADERS in CMakeLists.txt): the front end is
-// most of the time that a plug-in takes to compile. Every file includes what it uses all the same and compiles without this one,
-// which only headers that rarely change belong in: each change of one of them compiles everything.
+// most of the time that a plug-in takes to compile. Every file still includes all headers that it uses, and
+// compiles without this one. Only headers that rarely change belong here, since each change of one of them
+// recompiles everything.
 #pragma once
 
 #include <embree3/rtcore.h>

@@ -48,8 +48,8 @@ namespace {
 /// perpendicular to the edge.
 using WavePower = std::function<double(double, double)>;
 
-/// Integral of the power over the plane without the lobe chi: by rings, and with a 1/r^2 tail beyond the last
-/// one.
+/// Returns the integral of the power over the plane without the lobe chi: by rings, and with a 1/r^2 tail
+/// beyond the last one.
 double power_without_lobe(const WavePower& wave, double sigma) {
   const double first = 1e-3, last = 400;
   const int rings = 400;
@@ -57,7 +57,7 @@ double power_without_lobe(const WavePower& wave, double sigma) {
   double sum = 0, per_radius = 0;
   for (int i = 0; i < rings; ++i) {
     const double r = first * std::exp((i + 0.5) * step), left = -std::expm1(-r * r / (2 * sigma * sigma));
-    // A quarter of each ring, because fields are even in both coordinates.
+    // Number of steps over a quarter of each ring, since fields are even in both coordinates.
     const int steps = 40 + int(4 * r);
     double mean = 0;
     for (int j = 0; j < steps; ++j) {
@@ -89,7 +89,7 @@ EdgeMap edge_wave_map(double a, double b, double extent, double inset) {
   std::string caption = fmt::format(
       "a = {:g}, b = {:g}; canonical coordinates to {:g}; off the integral along the edge by {:.1e} of its largest value",
       a, b, extent, worst / most);
-  // The pole at 0 would dominate the scale.
+  // Scale of the picture, sampled away from 0, since the pole there would dominate it.
   const double top = size(0.08 * extent, 0.08 * extent) + size(0, 0.1 * extent);
   const auto shade = [=](double x, double y) { return std::sqrt(size(x, y) / top); };
   if (!(inset > 0)) return {[=](double u, double v) { return shade(extent * u, extent * v); }, caption};
@@ -146,7 +146,7 @@ EdgeCurves edge_amplitude(double a, double b, double ratio) {
 }
 
 EdgeCurves edge_profile(double width, int pieces) {
-  const double half = 0.5 * width;  // in units of sigma of the intensity
+  const double half = 0.5 * width;  // half of the width, in units of sigma of the intensity
   const auto amplitude = [](double x) { return std::exp(-0.25 * x * x); };
   const auto exact = [&](PlanePoint q) {
     const auto along = [&](double k) {
@@ -174,7 +174,8 @@ EdgeCurves edge_profile(double width, int pieces) {
   PlotSeries series[] = {line("exact", 0), line("linear amplitude", 1), line("constant amplitude", 2)};
   double error[2] = {}, sum = 0, tail[2] = {}, tail_sum = 0;
   for (int i = 0; i <= 240; ++i) {
-    // A circle of directions around the beam, as in their figure 3; 90 degrees is perpendicular to a side.
+    // Directions on a circle around the beam, as in figure 3 of Steinberg et al. 2024; 90 degrees is
+    // perpendicular to a side.
     const double theta = pi * i / 240, radius = 4 * pi / width;
     const PlanePoint q{radius * std::cos(theta), radius * std::sin(theta)};
     const double values[] = {std::abs(exact(q)), std::abs(optics::edge_field(linear, q)),
@@ -203,8 +204,8 @@ EdgeCurves edge_profile(double width, int pieces) {
 
 namespace {
 
-/// The exact field of a plane wave at a metallic wedge, with the electric field along the edge (Bowman,
-/// Senior & Uslenghi 1969, Electromagnetic and Acoustic Scattering by Simple Shapes, chapter 6).
+/// Returns the exact field of a plane wave at a metallic wedge, with the electric field along the edge
+/// (Bowman, Senior & Uslenghi 1969, Electromagnetic and Acoustic Scattering by Simple Shapes, chapter 6).
 Complex wedge_series(double n, double k_rho, double phi, double phi_i) {
   Complex sum = 0;
   const int terms = int(n * (k_rho + 30 + 6 * std::cbrt(k_rho)));
@@ -243,12 +244,13 @@ EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
     error.back() = ' ';
     error += "wavelengths from the edge";
   } else {
-    // Sommerfeld 1896: u = U(phi - phi') - U(phi + phi'), with Fresnel integrals.
+    // Reference by Sommerfeld 1896: u = U(phi - phi') - U(phi + phi'), with Fresnel integrals.
     double worst = 0;
     for (int i = 0; i < 400; ++i) {
       const double phi = 2 * pi * (i + 0.37) / 400, rho = 0.3 + 0.02 * i;
       const auto part = [&](double angle) {
-        const double v = 2 * std::sqrt(2 * rho) * std::cos(0.5 * angle);  // rho in wavelengths
+        // Fresnel parameter, with rho in wavelengths
+        const double v = 2 * std::sqrt(2 * rho) * std::cos(0.5 * angle);
         return std::polar(1.0, -k * rho * std::cos(angle)) * optics::knife_edge_field(v);
       };
       worst =
@@ -267,8 +269,9 @@ EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
 
 namespace {
 
-/// UTD field behind straight edges that run counter-clockwise around an aperture. Each edge contributes at
-/// the point that satisfies Keller's condition. A plane wave arrives along z.
+/// Returns the field by the uniform theory of diffraction (UTD) behind straight edges that run
+/// counter-clockwise around an aperture. Each edge contributes at the point that satisfies Keller's
+/// condition. A plane wave arrives along z.
 Complex utd_field(const std::vector<std::pair<PlanePoint, PlanePoint>>& edges, PlanePoint at, double z,
                   double k, bool is_lit) {
   Complex sum = is_lit ? std::polar(1.0, k * z) : Complex(0);
@@ -276,11 +279,11 @@ Complex utd_field(const std::vector<std::pair<PlanePoint, PlanePoint>>& edges, P
     const double size = std::hypot(b.x - a.x, b.y - a.y), ex = (b.x - a.x) / size, ey = (b.y - a.y) / size;
     const double along = (at.x - a.x) * ex + (at.y - a.y) * ey;
     if (along < 0 || along > size) continue;
-    const double across = (at.y - a.y) * ex - (at.x - a.x) * ey;  // positive over the aperture, to the left
-                                                                  // of the edge
+    // distance across the edge, positive over the aperture, to the left of the edge
+    const double across = (at.y - a.y) * ex - (at.x - a.x) * ey;
     const double s = std::hypot(across, z);
-    // Measured from the screen's irradiated side: the wave arrives from pi/2, undeviated is 3 pi/2, the
-    // aperture is at pi.
+    // Angle from the screen's irradiated side: the wave arrives from pi/2, the undeviated direction is 3
+    // pi/2, the aperture is at pi.
     const double phi = 1.5 * pi - std::atan2(across, z);
     sum +=
         optics::Wedge(2).coefficient(k, s, 1, phi, 0.5 * pi, {0, 0}) / std::sqrt(s) * std::polar(1.0, k * s);
@@ -323,7 +326,7 @@ EdgeCurves opening_profile(const std::string& shape, double wavelengths, double 
     const double r = std::hypot(x, distance);
     const Complex exact = optics::rayleigh_sommerfeld(opening, optics::ScreenSource::plane_wave({0, 0, 1}),
                                                       {x, 0.013 * half, distance}, k);
-    // U = k/(2 pi i) exp(i k R)/R F; the Rayleigh integral has the additional factor z/r.
+    // Scale of U = k/(2 pi i) exp(i k R)/R F; the Rayleigh integral has the additional factor z/r.
     const double scale = std::pow(k / (2 * pi * r) * distance / r, 2);
     const PlanePoint q{k * sine, k * 0.013 * half / r};
     bool lit = x < half && shape == "square";

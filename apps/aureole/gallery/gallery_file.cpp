@@ -25,7 +25,7 @@ SourceLocation place(const std::string& file, const std::string& text, std::size
   return where;
 }
 
-/// A JSON file with the line of every value, recorded in the parser's callbacks.
+/// A JSON file that knows the line of every value, recorded in the parser's callbacks.
 class JsonFile {
 public:
   explicit JsonFile(const std::filesystem::path& path) : name_(path.string()) {
@@ -82,7 +82,7 @@ private:
     std::string here = levels_.empty() ? "" : levels_.back().path + "/";
     if (!levels_.empty())
       here += levels_.back().index >= 0 ? std::to_string(levels_.back().index++) : levels_.back().key;
-    // At a string the parser has already reached the closing quote, so that only the line is exact.
+    // Only the line is exact for a string, since the parser has already reached the closing quote.
     offsets_[here] = offset_;
     if (event != Event::value) levels_.push_back({here, "", event == Event::array_start ? 0 : -1});
   }

@@ -24,11 +24,11 @@ inline const char* name_of(GallerySize size) { return size == kFullSize ? "full"
 struct PictureEffort {
   int width = 0, height = 0;
   std::int64_t samples = 0;
-  double seconds = 0;  ///< replaces `samples` if positive
+  double seconds = 0;  ///< seconds of rendering, which replace `samples` if positive
 };
 
 struct GalleryPicture {
-  std::string name;  ///< file name without extension
+  std::string name;  ///< name of the picture's files, without extension
   std::filesystem::path scene;
   Defines defines;
   std::array<PictureEffort, 2> effort;
@@ -45,7 +45,7 @@ using Axis = std::vector<AxisValue>;
 struct PictureTable {
   std::string caption;
   std::vector<Axis> rows, columns;
-  std::vector<GalleryPicture> pictures;     ///< row by row
+  std::vector<GalleryPicture> pictures;     ///< pictures row by row
   std::optional<GalleryPicture> reference;  ///< reference of the pictures' errors
 
   static std::size_t count(const std::vector<Axis>& axes);

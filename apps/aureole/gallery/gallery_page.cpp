@@ -132,7 +132,7 @@ private:
   }
 
   static std::string label(const std::vector<Axis>& axes, std::size_t i, bool first_of_block) {
-    // The inner axis is labelled everywhere, the outer ones where they change.
+    // Label of the inner axis, and of each outer axis where its value changes.
     std::string text = axes.back()[i % axes.back().size()].label;
     if (axes.size() > 1 && first_of_block) {
       std::string outer;
@@ -212,7 +212,7 @@ private:
         "<div class=\"scroll\"><table><tr><th></th><th>samples per pixel</th><th>seconds</th><th>relative "
         "RMSE"
         "</th><th>time for the same error</th></tr>\n";
-    // The cost of a strategy is error^2 x time, relative to the best one.
+    // Least cost of the strategies; the cost of a strategy is error^2 x time.
     double best = INFINITY;
     const auto cost = [](const PictureResult& r) { return *r.relative_rmse * *r.relative_rmse * r.seconds; };
     for (const GalleryPicture& p : t.pictures)

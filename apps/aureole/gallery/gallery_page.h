@@ -18,7 +18,7 @@ struct PictureResult {
   GallerySize size = kPreviewSize;
   std::int64_t samples = 0;
   double seconds = 0, load_seconds = 0;
-  std::optional<double> relative_rmse;  ///< relative to the reference of its table
+  std::optional<double> relative_rmse;  ///< relative RMSE against the reference of the picture's table
 };
 
 struct PlotRecord {
@@ -33,7 +33,8 @@ struct GalleryResults {
   std::map<std::string, PictureResult> pictures;
   std::map<std::string, PlotRecord> plots;
 
-  /// Loads the file; empty if it is missing or of another version, so that everything is rendered again.
+  /// Loads the results; empty if the file is missing or of another version, so that everything is rendered
+  /// again.
   static GalleryResults load(const std::filesystem::path& file);
   void save(const std::filesystem::path& file) const;
 };

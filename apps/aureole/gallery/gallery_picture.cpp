@@ -22,7 +22,7 @@ Defines all_defines(const GalleryPicture& picture, GallerySize size) {
   Defines defines{{"width", std::to_string(picture.effort[size].width)},
                   {"height", std::to_string(picture.effort[size].height)}};
   for (const auto& d : picture.defines) {
-    // The last value wins: an axis overrides the table.
+    // A later value replaces an earlier one of that name: an axis overrides the table.
     const auto same =
         std::find_if(defines.begin(), defines.end(), [&](const auto& e) { return e.first == d.first; });
     if (same == defines.end())
@@ -68,7 +68,8 @@ RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, 
   const auto start = std::chrono::steady_clock::now();
   LoadOptions load;
   load.defines = all_defines(picture, size);
-  struct Stopped {};  // not derived from std::exception, which would become an error of the scene
+  // exception type that is not derived from std::exception, which would become an error of the scene
+  struct Stopped {};
   load.progress = [&](const std::string& object, double part) {
     if (stop) throw Stopped();
     tables(object, part);
@@ -83,14 +84,15 @@ RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, 
   options.end = samples_of(picture.effort[size]);
   options.time_limit_s = picture.effort[size].seconds;
   options.threads = threads;
-  const bool timed = picture.effort[size].seconds > 0;  // a time limit applies to a single run
+  // whether the picture has a time limit, which applies to a single run
+  const bool timed = picture.effort[size].seconds > 0;
   if (!timed) options.state_file = state;
   RenderJob job(scene, options);
   if (!timed && std::filesystem::exists(state)) try {
       RenderState earlier = RenderState::load(state);
       if (earlier.begin == 0 && earlier.end == *options.end) job.resume(std::move(earlier));
     } catch (const Error&) {
-      // The state is damaged or belongs to another picture: starts anew.
+      // Rendering starts anew: the state is damaged or belongs to another picture.
     }
   RenderedPicture out;
   out.load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

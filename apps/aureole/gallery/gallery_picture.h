@@ -13,13 +13,13 @@
 
 namespace aureole {
 
-/// A key of everything on which the picture in this size depends, except the tone: version, content of the
-/// scene and of its files, defines, samples. Throws ErrorList if the scene cannot be read.
+/// Returns a hash of everything on which the picture in this size depends, except the tone: version, content
+/// of the scene and of its files, defines, samples. Throws ErrorList if the scene cannot be read.
 std::string picture_key(const GalleryPicture& picture, GallerySize size);
 
 struct RenderedPicture {
   Image image;
-  bool complete = false;  ///< false: interrupted
+  bool complete = false;  ///< whether the rendering was completed; false: it was interrupted
   std::int64_t samples = 0;
   std::uint64_t invalid_samples = 0;
   double seconds = 0, load_seconds = 0;

@@ -43,7 +43,7 @@ public:
     const std::string name = next(".svg", caption);
     write_file_atomically(folder_ / name, text);
   }
-  /// Writes a picture; `value` in [0, 1] of every pixel.
+  /// Writes a picture; `value` returns the value in [0, 1] of a pixel.
   void map(int width, int height, const std::function<double(int, int)>& value, const std::string& caption);
 
 private:
@@ -58,8 +58,8 @@ private:
   const std::atomic<bool>& stop_;
 };
 
-/// Colour map from dark violet over blue and green to yellow, in equal steps of lightness: a line in Oklab's
-/// lightness and hue (B. Ottosson, A perceptual color space for image processing, 2020).
+/// Returns a colour of the map from dark violet over blue and green to yellow, in equal steps of lightness: a
+/// line in Oklab's lightness and hue (B. Ottosson, A perceptual color space for image processing, 2020).
 std::array<float, 3> ramp(double t) {
   t = std::clamp(t, 0.0, 1.0);
   const double lightness = 0.12 + 0.83 * t, hue = (305 - 200 * t) * pi / 180;
@@ -105,8 +105,8 @@ std::string discs_svg(const optics::HardDiscs& discs, double side) {
   return out + "</svg>\n</svg>\n";
 }
 
-/// g(r) of Percus and Yevick by the inverse Hankel transform of S' - 1, multiplied by a Hann window that ends
-/// at u = 300. The step at contact is 0.01 wide.
+/// Returns g(r) of Percus and Yevick by the inverse Hankel transform of S' - 1, multiplied by a Hann window
+/// that ends at u = 300. The step at contact is 0.01 wide.
 std::vector<double> pair_correlation(double area_fraction, const std::vector<double>& r) {
   constexpr double kEnd = 300, kStep = 0.05;
   std::vector<double> g(r.size(), 1);
@@ -125,7 +125,7 @@ void plot_hard_discs(const GalleryPlot& plot, GallerySize size, Output& out) {
     simulation.advance(simulation.equilibration_sweeps());
     std::vector<double> edges;
     const double box = simulation.state().box_x;
-    // Rings as narrow as the wave vectors of the periodic box allow.
+    // Edges of rings that are as narrow as the wave vectors of the periodic box allow.
     for (double u = 1.1 * 2 * pi / box; u < 16; u += 1.1 * 2 * pi / box) edges.push_back(u);
     optics::RingStructureFactor structure(box, simulation.state().box_y, edges, 24);
     optics::PairHistogram pairs(10, 200);
@@ -154,8 +154,8 @@ void plot_hard_discs(const GalleryPlot& plot, GallerySize size, Output& out) {
   }
 }
 
-/// Radiance of a layer for unit irradiance at normal incidence: rho0 |F|^2 S'/lambda^2 for flat discs, rho0
-/// dC/dOmega S'/cos theta for spheres.
+/// Plots the radiance of a layer for unit irradiance at normal incidence: rho0 |F|^2 S'/lambda^2 for flat
+/// discs, rho0 dC/dOmega S'/cos theta for spheres.
 void plot_lobes(const GalleryPlot& plot, GallerySize, Output& out) {
   const double fa = number(plot, "area_fraction"), nm = number(plot, "wavelength_nm"),
                index = number(plot, "index"), end = number(plot, "degrees");
@@ -172,7 +172,8 @@ void plot_lobes(const GalleryPlot& plot, GallerySize, Output& out) {
       sphere.y.push_back(density * mie.amplitudes(std::cos(theta)).intensity() / (k * k) * s /
                          std::cos(theta));
     }
-    // Limits the logarithmic axis, which zeros of the disc's transform would extend indefinitely.
+    // Largest value, from which the logarithmic axis is limited, since zeros of the disc's transform would
+    // extend it indefinitely.
     const double top = *std::max_element(sphere.y.begin(), sphere.y.end());
     for (auto* series : {&flat, &sphere})
       for (double& y : series->y) y = std::max(y, top * 1e-8);
@@ -182,7 +183,7 @@ void plot_lobes(const GalleryPlot& plot, GallerySize, Output& out) {
   }
 }
 
-/// |F|^2/|A| of the shape over direction cosines in (-2, 2)^2, in shades of grey over four decades.
+/// Plots |F|^2/|A| of the shape over direction cosines in (-2, 2)^2, in shades of grey over four decades.
 void plot_aperture_map(const GalleryPlot& plot, GallerySize size, Output& out) {
   const double radius = number(plot, "radius_um") * 1000, nm = number(plot, "wavelength_nm"),
                decades = number(plot, "decades");

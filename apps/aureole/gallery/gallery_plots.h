@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-/// A file of a plot, in the page's folder.
+/// A file of a plot, in the folder of the page.
 struct PlotFile {
   std::string file, caption;
 };
@@ -21,7 +21,7 @@ struct PlotResult {
   std::vector<PlotFile> files;
 };
 
-/// Throws Error if the kind or its parameters are invalid.
+/// Checks a plot. Throws Error if its kind or its parameters are invalid.
 void check_plot(const GalleryPlot& plot);
 
 /// Writes the plot's files, named after it, into `folder`. Returns nothing if interrupted.

@@ -20,9 +20,9 @@
 namespace aureole {
 namespace {
 
-/// A specimen whose fit is off by more than this rms is named.
+/// Largest rms of a well fitted specimen; specimens above it are named.
 constexpr double kWellFitted = 0.005;
-/// K or S with a larger relative error is taken for unknown.
+/// Relative error of K or S above which the value counts as unknown.
 constexpr double kKnown = 0.3;
 
 double median(std::vector<double> values) {
@@ -38,7 +38,7 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / double(values.size());
 }
 
-/// CIEDE2000 of a specimen: the mean over its reflectances.
+/// Returns the mean CIEDE2000 of each specimen over its reflectances.
 std::map<std::string, double> differences(const pigment::SampleTable& table,
                                           const std::vector<pigment::HeldOut>& held,
                                           const pigment::Observation& lamp) {
@@ -55,7 +55,7 @@ std::map<std::string, double> differences(const pigment::SampleTable& table,
   return all;
 }
 
-/// Fraction of measured values within the 90 % intervals of their predictions.
+/// Returns the fraction of measured values within the 90 % intervals of their predictions.
 double coverage(const pigment::SampleTable& table, const std::vector<pigment::HeldOut>& held) {
   int inside = 0, count = 0;
   for (const pigment::HeldOut& h : held)
@@ -75,7 +75,7 @@ pigment::StreamsSettings streams_settings(const SurfaceOptions& o, const JointOp
   return s;
 }
 
-/// One theory's fit, and what it predicts of specimens kept back.
+/// The fit of one theory, and its predictions of specimens that were kept back.
 struct Candidate {
   std::string name;
   std::unique_ptr<pigment::FilmTheory> theory;
@@ -83,7 +83,8 @@ struct Candidate {
   std::vector<pigment::HeldOut> held;
   std::map<std::string, double> difference;
 
-  /// Smaller is better: the mean difference of what was kept back.
+  /// Returns the mean difference of the specimens that were kept back, by which fits are compared; smaller is
+  /// better.
   double merit() const {
     std::vector<double> all;
     for (const auto& [name, d] : difference) all.push_back(d);
@@ -123,7 +124,7 @@ void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
     const auto unknown = std::find_if(unknown_paints.begin(), unknown_paints.end(),
                                       [&](const pigment::UnknownPaint& u) { return u.name == one.name; });
     if (unknown != unknown_paints.end() && !unknown->ratio_is_known) {
-      // Errors about a guess would exclude other solutions that the data allow.
+      // A guess has no error, since an error would exclude other solutions that the data allow.
       fmt::print("{:<24} {:>8} unknown: one film over one card, or over cards that are alike\n", one.name,
                  "");
       out["pigments"][p]["fit"] = {{"method", "joint"}, {"unknown", true}};
@@ -165,7 +166,8 @@ void print_specimens(const pigment::SampleTable& table, const pigment::JointFit&
   bool first = true;
   for (const pigment::SpecimenReport& r : all)
     for (const pigment::SpecimenReport::Dose& d : r.doses) {
-      // Deviations of more than 15 % that the data tell: beyond twice their error.
+      // Skips deviations below 15 %, and deviations within twice their error, which the data do not
+      // determine.
       if (std::abs(std::log(d.factor)) < 0.15 || std::abs(std::log(d.factor)) < 2 * d.error / d.factor)
         continue;
       if (first) fmt::print("\nAmounts that the colours contradict:\n");
@@ -183,7 +185,7 @@ void print_specimens(const pigment::SampleTable& table, const pigment::JointFit&
   }
 }
 
-/// Prints how residuals compare with the stated noise, by which errors of K and S are stated as well.
+/// Prints how residuals compare with the stated noise, which also determines the errors of K and S.
 void print_residuals(const pigment::JointFit& fit, const pigment::JointSettings& settings,
                      nlohmann::json& out) {
   constexpr double kFar = 2;
@@ -212,7 +214,8 @@ void print_residuals(const pigment::JointFit& fit, const pigment::JointSettings&
         r.relative);
 }
 
-/// Notes paints of which nothing is known but one mixture: often another paint's name misspelt.
+/// Notes paints that occur in a single mixture and nowhere else, which often are misspelt names of other
+/// paints.
 void note_single_uses(const std::string& file, const pigment::SampleTable& table) {
   struct Uses {
     std::set<std::string> mixtures;
@@ -236,7 +239,7 @@ void note_single_uses(const std::string& file, const pigment::SampleTable& table
   }
 }
 
-/// Colour differences of specimens that were kept back, by theory, beside the plain fit's.
+/// Prints colour differences of specimens that were kept back, by theory, beside the plain fit's.
 void print_held_out(const pigment::SampleTable& table, const std::vector<Candidate>& candidates,
                     const std::map<std::string, double>& plain, const std::string& white,
                     const std::string& black, const std::string& illuminant, nlohmann::json& out) {
@@ -405,14 +408,15 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
       plain = differences(
           table, pigment::hold_out_plain(table, *two, groups, white, options.black, for_ranges), lamp);
     }
-    // A smaller sum of squares alone does not tell that a theory predicts better; two fluxes come first, and they
-    // are what `match` uses.
+    // The theory is chosen by its predictions, since a smaller sum of squares alone does not mean better
+    // predictions. Two fluxes come first, since `match` uses them.
     Candidate& best =
         !keeps_back
             ? candidates.front()
             : *std::min_element(candidates.begin(), candidates.end(),
                                 [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
-    // `match`, `hide` and the BSDF use two fluxes, which predict worse with the K and S of streams.
+    // The written palette is that of two fluxes, which `match`, `hide` and the BSDF use, and which predict
+    // worse with the K and S of streams.
     Candidate& written = candidates.front();
     written.fit->with_errors();
     pigment::Palette palette = written.fit->palette();

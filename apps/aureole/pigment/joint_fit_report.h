@@ -30,7 +30,7 @@ struct JointPalette {
   std::vector<std::vector<double>> ratio_error;
 };
 
-/// Fits, prints the report and adds it to `out`. Returns the palette of the theory that is kept.
+/// Fits, prints the report and adds it to `out`. Returns the palette of the theory that is chosen.
 JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& table,
                          const JointOptions& options, const SurfaceOptions& surface, const std::string& white,
                          const std::string& illuminant, nlohmann::json& out);

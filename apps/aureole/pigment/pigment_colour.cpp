@@ -30,7 +30,7 @@ struct ColourOptions {
   SurfaceOptions surface;
 };
 
-/// The interface to which reflectances are converted, or nothing.
+/// Returns the interface to which reflectances are converted, or nothing.
 std::optional<pigment::Surface> other_surface(const ColourOptions& o) {
   if (o.to_geometry.empty() && o.to_specular.empty()) return {};
   if (!o.surface.given() || o.surface.geometry == "none")
@@ -43,7 +43,7 @@ std::optional<pigment::Surface> other_surface(const ColourOptions& o) {
   return to.surface();
 }
 
-/// Luminous reflectance of what a sample lies on; nothing if it is not known.
+/// Returns the luminous reflectance of the substrate of a sample; nothing if it is not known.
 std::optional<double> luminance_below(const pigment::SampleTable& table, const pigment::Sample& sample,
                                       const pigment::Observation& lamp) {
   if (const auto number = pigment::backing_reflectance(sample)) return *number;
@@ -52,8 +52,8 @@ std::optional<double> luminance_below(const pigment::SampleTable& table, const p
   return {};
 }
 
-/// Contrast ratios of layers that were measured over two cards: luminous reflectance over the darker divided by that
-/// over the brighter card.
+/// Returns contrast ratios of layers that were measured over two cards: luminous reflectance over the darker
+/// divided by that over the brighter card.
 std::map<std::string, double> contrast_ratios(const pigment::SampleTable& table,
                                               const std::vector<pigment::Panel>& samples,
                                               const pigment::Observation& lamp) {
@@ -129,7 +129,7 @@ nlohmann::json comparison_json(const ColourComparison& c, const std::vector<std:
   return out;
 }
 
-/// Notes options about differences where there is no standard, and sets those that are not given.
+/// Notes options about differences that have no standard, and sets default values.
 void complete(ColourOptions& o) {
   if (o.standard.empty())
     for (const auto& [option, is_given] : {std::pair{"--white", !o.white.empty()},
@@ -141,16 +141,17 @@ void complete(ColourOptions& o) {
   if (o.cmc.empty()) o.cmc = {2, 1};
 }
 
-/// The standard or the white, its interface, and the file that it is from.
+/// The standard or the white, with its interface and its file.
 struct Reference {
   std::string text, file;
   MeasuredReflectance measured;
   SurfaceOptions surface;
 };
 
-/// Reads "FILE#SAMPLE". Its interface is that of its own file, or `samples` where this file states none. `given` are the
-/// options, and `samples` these with the geometry of the file of samples, of which all or one are looked at. Repeats are
-/// noted unless they are among these samples, and the file's notes unless they are known from there.
+/// Reads "FILE#SAMPLE". Its interface is that of its own file, or `samples` where this file states none.
+/// `given` are the options, and `samples` are the options with the geometry of the file of samples, of which
+/// all or one are evaluated. Repeats are noted unless they are among these samples, and the notes of the file
+/// unless they were printed with those of the samples.
 Reference reference_called(const std::string& text, const std::string& option,
                            const std::string& samples_file, const SurfaceOptions& given,
                            const SurfaceOptions& samples, bool samples_are_one) {
@@ -169,12 +170,13 @@ Reference reference_called(const std::string& text, const std::string& option,
   return r;
 }
 
-/// The hue angle, or a dash for greys, which have none.
+/// Returns the hue angle as text, or a dash for greys, which have no hue.
 std::string hue_text(const pigment::Lab& lab) {
   return pigment::chroma(lab) < 0.005 ? "-" : fmt::format("{:.1f}", pigment::hue_degrees(lab));
 }
 
-/// Reflectances of a reference as an instrument with the interface of the samples would measure them.
+/// Returns the reflectances of a reference as an instrument with the interface of the samples would measure
+/// them.
 std::vector<double> as_measured_by(const Reference& r, const SurfaceOptions& samples,
                                    const std::vector<double>& nm) {
   std::vector<double> values = r.measured.at(nm);
@@ -213,7 +215,7 @@ int colour(ColourOptions o) {
       .cie94 = o.cie94 == "textiles" ? pigment::Cie94::textiles : pigment::Cie94::graphic_arts};
   settings.others = o.light.others(o.others);
 
-  // All are taken at the samples' wavelengths that the standard and the white have as well.
+  // Colours are evaluated at those of the samples' wavelengths that the standard and the white have as well.
   std::optional<Reference> of_standard, of_white;
   if (!o.standard.empty())
     of_standard = reference_called(o.standard, "--standard", file, given, o.surface, is_one);
@@ -276,7 +278,7 @@ int colour(ColourOptions o) {
   if (of_standard) {
     const Reference& r = *of_standard;
     standard = seen(r.measured.at(nm), r.file, r.text, r.surface);
-    // K/S of each follows by its own interface.
+    // The standard for strength is converted, since K/S of each sample follows by its own interface.
     if (!to) settings.standard_for_strength = as_measured_by(r, o.surface, nm);
   }
   if (of_white)
@@ -288,7 +290,7 @@ int colour(ColourOptions o) {
   if (is_one) {
     const std::string wanted = o.samples.substr(mark + 1);
     std::vector<pigment::Panel> found = pigment::panels_called(samples, wanted);
-    if (found.empty()) mean_reflectance(file, wanted);  // throws, with the names
+    if (found.empty()) mean_reflectance(file, wanted);  // throws an Error with the names of the samples
     samples = std::move(found);
   }
   if (samples.empty()) throw Error({file, 0, 0}, "there is no reflectance");
@@ -326,7 +328,7 @@ int colour(ColourOptions o) {
   const auto row = [&](const std::string& name, const std::vector<double>& values,
                        const std::optional<double>& ratio) {
     const ColourFigures f = colour_figures(nm, values, settings.viewing);
-    // The formula of whiteness holds for whites only.
+    // Whether the sample is white enough for the formula of whiteness.
     const bool is_white = f.whiteness && f.whiteness->is_valid;
     fmt::print(
         "{:<{}} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:>7} {:>7} {:>7} {:>7} {:>8}\n",

@@ -45,7 +45,7 @@ struct Errors {
   }
 };
 
-/// Median of error/|value|, or "-" if errors are unknown.
+/// Returns the median of error/|value| as text, or "-" if errors are unknown.
 std::string relative_error(const std::vector<double>& values, const std::vector<double>& errors) {
   if (errors.empty()) return "-";
   std::vector<double> ratios;
@@ -56,7 +56,7 @@ std::string relative_error(const std::vector<double>& values, const std::vector<
   return fmt::format("{:.2g} %", 100 * ratios[ratios.size() / 2]);
 }
 
-/// Bands of plots end at this logarithm of a factor: 100.
+/// Upper bound of the half-width of a plot's band, as the logarithm of a factor of 100.
 constexpr double kWidestBand = 4.6;
 
 /// Plots a quantity of every paint over the wavelength, on a logarithmic axis. `value` is computed from K and
@@ -88,7 +88,7 @@ std::string plot_of(const pigment::Palette& palette, const pigment::Observation&
   return svg_plot(plot);
 }
 
-/// `ratio_error` has standard deviations of ln(K/S) by paint, after a joint fit.
+/// Writes the plots of a fit. `ratio_error` has standard deviations of ln(K/S) by paint, after a joint fit.
 void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp,
                  const std::vector<std::vector<double>>& ratio_error = {}) {
   const std::string unit = palette.per_film   ? ", per film"
@@ -114,7 +114,8 @@ void write_plots(const FitOptions& o, const pigment::Palette& palette, const pig
       o.plot_s, "S", unit, [](double, double s) { return s; }, s_error);
 }
 
-/// Cumulative distribution of the differences: each difference over the fraction of them that is no larger.
+/// Returns the cumulative distribution of the differences: each difference over the fraction of differences
+/// that are not larger.
 PlotSeries differences_line(std::vector<double> differences, const std::string& label,
                             const std::string& colour) {
   std::sort(differences.begin(), differences.end());
@@ -136,7 +137,7 @@ nlohmann::json report_json(const pigment::FitReport& r) {
   return out;
 }
 
-/// Notes options that have no effect, and names of paints that the table does not have.
+/// Notes options that have no effect, and names of paints that are not in the table.
 void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
   o.surface.note_unused();
   const JointOptions usual;
@@ -154,7 +155,7 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
        {std::pair{"--g", o.joint.g != usual.g}, {"--g-error", set.g != standard.g}})
     if (is_given && o.joint.joint && o.joint.theory == "two-flux")
       tell("note: {}: has no effect on two fluxes, which have no directions\n", option);
-  if (o.joint.joint && !o.joint.hold_out.empty()) return;  // both names are noted there
+  if (o.joint.joint && !o.joint.hold_out.empty()) return;  // the joint fit notes both names
   std::vector<std::string> names;
   for (const pigment::Sample& s : table.samples)
     for (const pigment::Component& c : s.paints)
@@ -167,17 +168,18 @@ void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
 }
 
 /// Notes the paints whose measured films are thin or dark enough for two fluxes to fail, with the largest expected colour
-/// difference. K and S that were fitted to these films make up for a part of it, and for other films they do not.
+/// difference. K and S that were fitted to these films compensate a part of that difference, but they do not
+/// for other films.
 void note_thin_films(const FitOptions& o, const pigment::SampleTable& table, pigment::Palette palette) {
   constexpr double kDoubtful = 1, kKnown = 0.3;
-  if (palette.relative && !palette.per_film) return;  // of opaque layers
+  if (palette.relative && !palette.per_film) return;  // a palette of opaque layers has no films
   const pigment::Observation lamp = observe(o.light.viewing(), palette.nm);
   pigment::clamp_negative(palette);
   double largest = 0;
   std::vector<std::string> names;
   for (std::size_t p = 0; p < palette.pigments.size(); ++p) {
     const pigment::Pigment& one = palette.pigments[p];
-    // Of guesses nothing is expected.
+    // Skips guesses, for which no difference is expected.
     if (o.joint.joint && !one.k_error.empty() &&
         one.s_error[one.s.size() / 2] > kKnown * one.s[one.s.size() / 2])
       continue;
@@ -191,7 +193,7 @@ void note_thin_films(const FitOptions& o, const pigment::SampleTable& table, pig
         for (std::size_t l = 0; s.backing != "none" && l < palette.nm.size(); ++l)
           below += pigment::substrate_at(table, palette.surface, s, l) / double(palette.nm.size());
       } catch (const std::domain_error&) {
-        continue;  // a card that was not measured
+        continue;  // skips a card that was not measured
       }
       std::vector<double> fractions(palette.pigments.size());
       fractions[p] = 1;
@@ -298,7 +300,7 @@ int fit(FitOptions o) {
     }
   }
   std::vector<double> others;
-  // Mixtures that the fit did not use test the theory itself.
+  // Samples of mixtures that the fit did not use, which test the theory itself.
   for (const pigment::Sample& s : table.samples) {
     const bool unused = s.paints.size() > 2 ||
                         (s.paints.size() == 2 && s.paints[0].name != o.white && s.paints[1].name != o.white);

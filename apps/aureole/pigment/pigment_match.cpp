@@ -128,7 +128,8 @@ std::vector<double> read_prices(const std::string& file, const pigment::Palette&
   return prices;
 }
 
-/// Predicts recipes as the instrument of the target measures them, unless options give an interface.
+/// Sets the interface of the target's instrument, so that recipes are predicted as that instrument measures
+/// them, unless options give an interface.
 void take_geometry(ColourTarget& wanted, SurfaceOptions& surface) {
   if (wanted.instrument.geometry.empty()) return;
   const bool is_given = surface.given(), has_interface = wanted.palette.surface.through < 1;

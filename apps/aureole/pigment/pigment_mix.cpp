@@ -26,7 +26,7 @@ struct MixOptions {
   SurfaceOptions surface;
 };
 
-/// Mixtures of the recipe in which the first paint's fraction varies from one to zero in equal steps.
+/// Returns mixtures of the recipe in which the first paint's fraction varies from one to zero in equal steps.
 std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
                                            const std::vector<double>& fractions, int steps) {
   const std::size_t first = std::size_t(
@@ -42,7 +42,7 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
-/// The palette with the interface that options state, in its streams.
+/// Returns the palette with the interface that options state, in its streams.
 pigment::Palette with_interface(pigment::Palette palette, const SurfaceOptions& surface) {
   if (!surface.given()) return palette;
   pigment::PaletteStreams& s = *palette.streams;
@@ -54,7 +54,7 @@ pigment::Palette with_interface(pigment::Palette palette, const SurfaceOptions& 
 
 int mix(const MixOptions& o) {
   o.surface.note_unused();
-  // Streams have a smooth interface of an index.
+  // Whether streams can be used, which need a smooth interface given by an index.
   const bool may_be_streams = o.surface.k1 < 0 && o.surface.k2 < 0 && o.surface.alpha == 0;
   const pigment::Palette palette = usable_palette(o.layer.palette, o.surface, may_be_streams);
   const std::vector<double> fractions =
@@ -84,7 +84,8 @@ int mix(const MixOptions& o) {
   for (std::size_t i = 0; i < palette.nm.size(); ++i) {
     if (palette.nm[i] < next) continue;
     while (next <= palette.nm[i]) next += o.step;
-    // By streams light below the interface is not diffuse: no number stands for its reflectance.
+    // Streams print no reflectance below the interface: light there is not diffuse, and no single number
+    // describes its reflectance.
     fmt::print("{:8.1f} {:12.5g} {:12.5g} {:>9} {:9.5f}\n", palette.nm[i], paint[i].k, paint[i].s,
                streams ? "-" : fmt::format("{:.5f}", pigment::inner_reflectance(palette.surface, mixed[i])),
                mixed[i]);

@@ -57,7 +57,7 @@ void SurfaceOptions::take(const pigment::Instrument& instrument, const std::stri
   if (instrument.geometry.empty()) return;
   const bool says_specular = !instrument.specular.empty() && instrument.geometry != "45_0";
   if (given()) {
-    // An option of the geometry alone leaves the specular component to the file.
+    // Whether the specular component is taken from the file, because options state the geometry alone.
     const bool completes = specular.empty() && says_specular && geometry == instrument.geometry;
     if (completes) {
       specular = instrument.specular;
@@ -114,7 +114,7 @@ void note_two_flux_doubt(const pigment::Palette& palette, const pigment::Paint& 
                          const std::string& whose) {
   constexpr double kDoubtful = 1;
   if (std::isinf(thickness)) return;
-  // A palette without an interface is of measurements from which none was taken.
+  // The interface of the binder; a palette without an interface was measured without one being removed.
   const double doubt =
       two_flux_doubt(paint, palette.nm, thickness, substrate, palette.surface.k2 > 0 ? index : 1, lamp);
   if (doubt > kDoubtful)

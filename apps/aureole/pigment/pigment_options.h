@@ -15,7 +15,7 @@ namespace aureole {
 
 /// The interface between binder and air: an index and a measurement geometry, or Saunderson's k1 and k2.
 struct SurfaceOptions {
-  std::string geometry, specular;  ///< specular "": excluded
+  std::string geometry, specular;  ///< geometry and specular component; specular "" means excluded
   double index = 1.5, alpha = 0, k1 = -1, k2 = -1;
 
   /// Declares the options; `whose` completes the help text, for example "the measurements".
@@ -26,17 +26,17 @@ struct SurfaceOptions {
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
-  /// Takes the geometry and the specular component that a file of measurements states, unless options give them; notes
-  /// what is taken.
-  /// `is_taken_off` says whether reflectances are used without the interface; otherwise only K/S is.
+  /// Takes the geometry and the specular component that a file of measurements states, unless options give
+  /// them; notes the values that it takes. `is_taken_off` states whether the interface is removed from
+  /// reflectances; otherwise only K/S is used.
   void take(const pigment::Instrument& instrument, const std::string& file, bool is_taken_off = true);
   /// Notes options that have no effect beside the others.
   void note_unused() const;
-  /// A geometry that a file states, in words: "d8, specular included".
+  /// Returns a geometry that a file states in words, such as "d8, specular included".
   static std::string stated(const pigment::Instrument& instrument);
-  /// "included" or "excluded", with the default.
+  /// Returns "included" or "excluded", with the default applied.
   std::string specular_text() const;
-  /// The interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
+  /// Returns the interface in words, for reports: "Saunderson, k1 0.04, k2 0.6, specular excluded".
   std::string text() const;
 };
 
@@ -46,17 +46,17 @@ inline const std::vector<std::string> kUsualOthers{"A", "F11"};
 /// The illuminant and the observer of colours.
 struct LightOptions {
   std::string illuminant = "D65",
-              observer;  ///< observer "": 2 degrees, unless the illuminant's name states them
+              observer;  ///< names; observer "": 2 degrees, unless the illuminant's name states the observer
 
-  /// `what` is the help of --illuminant.
+  /// Declares the options; `what` is the help text of --illuminant.
   void declare(CommandOptions& options, const std::string& what);
-  /// The name for `observe`: "D65", or "D65/10" for the 10-degree observer. Throws Error if the name states another
-  /// observer than --observer.
+  /// Returns the name for `observe`: "D65", or "D65/10" for the 10-degree observer. Throws Error if the name
+  /// states another observer than --observer.
   std::string viewing() const;
   /// The observer's field in degrees: "2" or "10".
   std::string field() const;
-  /// Other illuminants, under this observer unless they state one themselves, without `viewing()`, of which a note says
-  /// so unless `names` are the usual ones.
+  /// Returns the other illuminants, under this observer unless they state one themselves. `viewing()` is left
+  /// out of them, with a note unless `names` are the usual ones.
   std::vector<std::string> others(const std::vector<std::string>& names) const;
 };
 
@@ -70,12 +70,14 @@ struct LayerOfPaint {
 };
 
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
-/// if one is given. Notes K and S by streams, unless the caller predicts by them. What options of the interface have no effect is for the caller to note.
+/// if one is given. Notes K and S by streams, unless the caller predicts by them. The caller notes options of
+/// the interface that have no effect.
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface,
                                 bool predicts_by_streams = false);
 
 /// Notes where two fluxes are expected to be off by a visible colour difference for a layer (`two_flux_doubt`). `whose`
-/// names the layer: "this layer". `index` is that of the binder, where the palette has an interface.
+/// names the layer: "this layer". `index` is the index of refraction of the binder, where the palette has an
+/// interface.
 void note_two_flux_doubt(const pigment::Palette& palette, const pigment::Paint& paint, double thickness,
                          double substrate, double index, const pigment::Observation& lamp,
                          const std::string& whose);
@@ -87,13 +89,13 @@ void note_substrate(double substrate, const std::string& thickness);
 /// relative one; empty: infinite.
 double thickness_for(const pigment::Palette& palette, const std::string& text);
 
-/// A value to print with two digits: zero instead of values that would be printed as -0.00.
+/// Returns a value to print with two digits: zero instead of values that would be printed as -0.00.
 double shown(double value);
 
-/// Text such as "L* 53.24  a* 80.09  b* 67.20  #ff0000".
+/// Returns text such as "L* 53.24 a* 80.09 b* 67.20 #ff0000".
 std::string colour_text(const pigment::Observation& lamp, const std::vector<double>& reflectance);
 
-/// A line over the wavelengths, with a given colour.
+/// Returns a line over the wavelengths, with a given colour.
 PlotSeries spectrum_line(const std::vector<double>& nm, const std::vector<double>& values,
                          const std::string& label, const std::string& colour);
 

@@ -11,7 +11,8 @@ public:
   explicit Annulus(const Properties& p) : Aperture(p) {
     const double radius = get_aperture_length_m(p, "radius"),
                  inner = get_aperture_length_m(p, "inner_radius");
-    // For larger inner radii the ring's area would be lost in the rounding of the two circles.
+    // Upper bound of the ratio of the radii, above which the ring's area would be lost in the rounding of the
+    // two circles.
     if (!(inner <= 0.999999 * radius))
       throw p.error("inner_radius", "must be smaller than \"radius\", by a millionth of it at least");
     set_shape(std::make_shared<optics::AnnulusAperture>(radius, inner));

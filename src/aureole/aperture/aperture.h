@@ -31,7 +31,7 @@ public:
   const optics::SizeDistribution& sizes() const { return sizes_; }
 
 protected:
-  /// To be called by constructors of plug-ins.
+  /// Sets the shape. Constructors of plug-ins must call it.
   void set_shape(std::shared_ptr<const optics::ApertureShape> shape) { shape_ = std::move(shape); }
 
 private:

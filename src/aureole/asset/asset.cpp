@@ -72,7 +72,8 @@ void check_attributes(const Shape& shape, const std::vector<ShownAttribute>& sho
   }
 }
 
-/// Errors of a shape that cannot be sampled at all are located at its emitter or sensor, `sitting`.
+/// Returns the area sampler of a shape. Errors of a shape that cannot be sampled at all are located at its
+/// emitter or sensor, `sitting`.
 std::shared_ptr<const AreaSampler> area_for(const Object& sitting, const ShapePtr& shape, AreaUse use,
                                             GeometrySource& source) {
   try {
@@ -116,8 +117,8 @@ public:
 
 private:
   void build(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
-  /// Notes a medium on one side of a surface with a gap. Other shapes of the scene may close the gap; the
-  /// scene warns if they do not (scene/scene_media.cpp).
+  /// Notes a medium on one side of a surface with a gap. The scene warns if no other shape closes the gap
+  /// (scene/scene_media.cpp).
   void check_media(const Properties& element);
   void note_losses(const Properties& element) const;
   void take_bssrdf(const Properties& element);
@@ -156,11 +157,11 @@ std::shared_ptr<Properties> ShapeAsset::geometry_of(const Properties& element) {
   return geometry;
 }
 
-/// Notes what rough interfaces lose around a medium that scatters. Its light hits the interface many times,
-/// so that a small loss takes much of it.
+/// Notes how much light rough interfaces around a scattering medium lose. Light hits such an interface many
+/// times, so that a small loss at each hit becomes large.
 void ShapeAsset::note_losses(const Properties& element) const {
   Diagnostics* diagnostics = element.context().diagnostics;
-  // In a scene with errors objects may lack their tables.
+  // In a scene with errors, objects may lack their tables.
   if (!diagnostics || diagnostics->has_errors()) return;
   constexpr double kNoted = 0.003;
   const auto scatters = [](const MediumPtr& medium) { return medium && medium->scatters(); };
@@ -264,7 +265,7 @@ void ShapeAsset::build(const PluginInfo& plugin, const Properties& element, Geom
   try {
     made = source.geometry(plugin, geometry);
   } catch (const Error&) {
-    element.take_reads(geometry);  // includes further problems of these parameters
+    element.take_reads(geometry);  // the parameters read here include further problems
     throw;
   }
   const auto shape = std::dynamic_pointer_cast<const Shape>(made);

@@ -17,7 +17,7 @@ namespace aureole {
 class Asset : public SensorShape {
 public:
   const std::vector<Primitive>& primitives() const { return primitives_; }
-  /// Notes about where the asset is, for an asset that belongs to the scene itself and not to a group.
+  /// Notes about the position of an asset that belongs to the scene itself and not to a group.
   const std::vector<std::string>& placement_notes() const { return placement_notes_; }
   ShapePtr shape() const override { return primitives_.size() == 1 ? primitives_[0].shape : nullptr; }
 

@@ -12,7 +12,7 @@ namespace aureole {
 
 namespace {
 
-/// The rest of a line as a path, in which some programs write backslashes.
+/// Returns the rest of a line as a path; some programs write backslashes in it.
 std::string path_of(Scanner& s) {
   std::string name(s.rest());
   std::replace(name.begin(), name.end(), '\\', '/');
@@ -55,7 +55,8 @@ MtlMap read_map(Scanner& s, const std::filesystem::path& folder, const std::stri
     else if (option == "-clamp")
       map.clamp = word == "on";
     else if (!option.starts_with("-blend") && option != "-texres" &&
-             !(option == "-colorspace" && word == "sRGB"))  // these change no picture here
+             // these option values are defaults and change no picture
+             !(option == "-colorspace" && word == "sRGB"))
       ignore(m, keyword + " " + option);
     s.skip_blanks();
   }
@@ -64,8 +65,8 @@ MtlMap read_map(Scanner& s, const std::filesystem::path& folder, const std::stri
   return map;
 }
 
-/// Reads one or three numbers in [0, 1]; returns false if there are none. Others are moved into the interval,
-/// with a note.
+/// Reads one or three numbers in [0, 1]; returns false if there are none. Other numbers are clamped to the
+/// interval, with a note.
 bool color(Scanner& s, std::array<double, 3>& c, const std::string& keyword, MtlMaterial& m) {
   double v[3];
   if (!s.number(v[0])) return false;
@@ -80,7 +81,7 @@ bool color(Scanner& s, std::array<double, 3>& c, const std::string& keyword, Mtl
   return true;
 }
 
-/// Reads a number in [0, 1], likewise.
+/// Reads a number in [0, 1]; another number is clamped, with a note.
 bool unit(Scanner& s, double& value, const std::string& keyword, MtlMaterial& m) {
   double v;
   if (!s.number(v) || !std::isfinite(v)) return false;
@@ -103,7 +104,7 @@ ObjectPtr picture(const Properties& owner, const std::string& material, const Mt
                                                                          {"raw", raw}};
     if (map.clamp) parameters.emplace_back("wrap_mode", "clamp");
     if (map.scale != std::array{1.0, 1.0} || map.offset != std::array{0.0, 0.0}) {
-      // v of the file points up, and a picture's first row is at v = 0: the mesh has turned v already.
+      // In the file v points upwards, and a picture's first row is at v = 0: the mesh has already flipped v.
       const bool flipped = owner.get_bool("flip_tex_coords", true);
       const double v = flipped ? 1 - map.scale[1] - map.offset[1] : map.offset[1];
       parameters.emplace_back("to_uv", Transform::translate(map.offset[0], v, 0) *
@@ -181,7 +182,7 @@ bool read_statement(const std::string& keyword, Scanner& s, const std::filesyste
       return true;
     }
   if (name == "anisor" && s.number(v) && v == 0) return true;
-  // The ambient colour and the resolution of reflections belong to no model of light.
+  // The ambient colour and the sharpness of reflections are not noted, since no physical model has them.
   if (name != "ka" && name != "sharpness") ignore(m, keyword);
   return true;
 }
@@ -210,8 +211,8 @@ std::map<std::string, MtlMaterial> read_mtl(const MeshFile& file) {
 
 namespace {
 
-/// A material of the extension for physically based shading as `principled`; null, with a note, if that
-/// cannot be.
+/// Returns a material of the extension for physically based shading as `principled`; null, with a note, if
+/// that is impossible.
 ObjectPtr principled_of(const std::string& name, const MtlMaterial& m, const Properties& owner,
                         const Properties::Value& base_color) {
   const auto number = [&](const MtlMap& map, double value) -> Properties::Value {

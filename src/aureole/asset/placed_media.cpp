@@ -41,7 +41,7 @@ private:
 
 class PlacedPhase final : public PhaseFunction {
 public:
-  /// `phase` must outlive this object.
+  /// A phase function under a placement. `phase` must outlive this object.
   PlacedPhase(const PhaseFunction& phase, const Placement& placement)
       : PhaseFunction(phase.properties()), phase_(phase), placement_(placement) {}
 
@@ -95,7 +95,8 @@ public:
 private:
   MediumPtr medium_;
   Placement placement_;
-  std::optional<PlacedPhase> phase_;  ///< empty if the medium's phase function is the same in the world
+  /// rotated phase function; empty if the medium's phase function is the same in the world
+  std::optional<PlacedPhase> phase_;
   std::optional<MajorantGrid> grid_;
 };
 
@@ -110,7 +111,7 @@ bool keeps_angles(const Instance& instance) {
   const Transform to_world = instance.to_world();
   const auto &m = to_world.matrix(), turn = to_world.orthogonal_part().matrix();
   const double size = std::cbrt(std::abs(to_world.determinant3()));
-  constexpr double kTolerance = 1e-4;  // for transforms that were rounded to single precision
+  constexpr double kTolerance = 1e-4;  // tolerance for transforms that were rounded to single precision
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t k = 0; k < 3; ++k)
       if (!(std::abs(m[i][k] - size * turn[i][k]) <= kTolerance * size)) return false;

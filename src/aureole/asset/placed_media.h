@@ -11,14 +11,14 @@
 
 namespace aureole {
 
-/// Whether a medium differs after it was moved or turned: it varies in space, or its particles have an
+/// Whether a medium changes when it is moved or rotated: it varies in space, or its particles have an
 /// orientation.
 bool depends_on_place(const Medium& medium);
 /// Whether the instance's transform keeps angles, so that it turns particles without deforming them.
 bool keeps_angles(const Instance& instance);
 
 /// The media that fill shapes of a group have the group's coordinates, and an instance places them with the
-/// shapes: volumes are looked up at the point in the group, and the particles of phase functions are turned,
+/// shapes: volumes are evaluated at the point in the group, and the particles of phase functions are rotated,
 /// but not deformed. Coefficients remain per length of the scene, so that an instance that is twice as large
 /// has twice the optical thickness, with constant and with varying coefficients alike. Media that are the
 /// same everywhere are not changed, and those around the group's shapes that fill none of them are not moved.
@@ -41,7 +41,7 @@ private:
 
   std::shared_ptr<const Instance> instance_;
   const PlacedMedia* around_;
-  std::unordered_map<const Medium*, MediumPtr> placed_;  ///< by the medium of the group
+  std::unordered_map<const Medium*, MediumPtr> placed_;  ///< placed media by the medium of the group
 };
 
 }  // namespace aureole

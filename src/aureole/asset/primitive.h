@@ -30,10 +30,10 @@ struct Primitive {
   BsdfPtr bsdf;
   SurfaceMedia media;
   std::shared_ptr<const Emitter> emitter;
-  std::shared_ptr<const AreaSampler> area;  ///< for the emitter; null without one
+  std::shared_ptr<const AreaSampler> area;  ///< sampler of the area for the emitter; null without one
   std::shared_ptr<const Instance> instance;
   /// For an instance: the media of the group's shapes, placed with the instance (asset/placed_media.h). Empty
-  /// if they are those of the group.
+  /// if the group's own media apply.
   std::vector<SurfaceMedia> placed_media;
   /// The element that the primitive comes from, for messages; never null.
   std::shared_ptr<const Properties> element;
@@ -47,7 +47,8 @@ struct Primitive {
   /// Returns the media of the shapes of an instance's group.
   std::span<const SurfaceMedia> member_media() const;
   Bounds3 bounds() const { return instance ? instance->bounds() : shape->bounds(); }
-  std::size_t triangle_count() const;  ///< a shape that is not a mesh counts as `Shape::primitive_count`
+  /// Number of triangles; a shape that is not a mesh counts with `Shape::primitive_count`.
+  std::size_t triangle_count() const;
 };
 
 /// Shapes that are instanced together, with the BSDF and the media of each.
@@ -55,8 +56,8 @@ struct ShapeList {
   std::vector<ShapePtr> shapes;
   std::vector<BsdfPtr> bsdfs;
   std::vector<SurfaceMedia> media;
-  std::vector<std::shared_ptr<const Properties>> elements;  ///< from which each shape comes
-  std::vector<bool> is_part_of_closed;                      ///< as of the primitive
+  std::vector<std::shared_ptr<const Properties>> elements;  ///< the element that each shape comes from
+  std::vector<bool> is_part_of_closed;                      ///< the flag of each shape, as in `Primitive`
   Bounds3 bounds;
 
   std::size_t triangle_count() const;

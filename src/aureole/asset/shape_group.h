@@ -24,7 +24,7 @@ public:
   /// The group's own shapes, without those of nested groups.
   const std::shared_ptr<const ShapeList>& list() const { return list_; }
   const std::vector<Nested>& nested() const { return nested_; }
-  /// Returns how many instances of lists of shapes an instance of the group is.
+  /// Returns how many instances of shape lists one instance of the group adds to the scene.
   double instance_count() const { return instance_count_; }
 
 private:
@@ -32,7 +32,7 @@ private:
   /// Adds a shape of another list.
   void add(const ShapeList& other, std::size_t i);
 
-  ShapeList own_;  ///< used while the group is assembled
+  ShapeList own_;  ///< list of the group's own shapes, used while the group is assembled
   std::shared_ptr<const ShapeList> list_;
   std::vector<Nested> nested_;
   double instance_count_ = 0;

@@ -34,7 +34,8 @@ public:
     auto s = nested_[drawn]->sample(wi, drawn ? remap_below(u1, w) : remap_above(u1, w), u2, ctx);
     if (!s) return s;
     s->value *= share, s->pdf *= share;
-    if (s->is_delta()) return s;  // a probability (mass), not comparable with the other BSDF's pdf
+    // a delta sample has a probability (mass), which cannot be combined with the other BSDF's pdf
+    if (s->is_delta()) return s;
     BsdfEval sum{s->value, s->pdf};
     add(sum, 1 - drawn, 1 - share, wi, s->wo, ctx);
     s->value = sum.value, s->pdf = sum.pdf;

@@ -26,7 +26,7 @@ enum class Lobe : std::uint16_t {
   delta = 4,
   reflect = 8,
   transmit = 16,
-  through = 32,  ///< leaves the direction unchanged
+  through = 32,  ///< transmission that leaves the direction unchanged
   null = 64,     ///< null interaction: light passes unchanged, and it is not a path vertex
   enter = 128,   ///< entry into a body with a BSSRDF (bssrdf/bssrdf.h)
 };
@@ -37,7 +37,7 @@ constexpr bool has(Lobe set, Lobe flag) { return unsigned(set & flag) != 0; }
 inline constexpr Lobe kNullLobe = Lobe::delta | Lobe::null;
 
 struct BsdfContext {
-  const Wavelengths& wavelengths;  ///< index 0 is the hero
+  const Wavelengths& wavelengths;  ///< wavelengths of the path; index 0 is the hero
   const SurfacePoint& point;
   TransportMode mode = TransportMode::radiance;
   std::uint32_t key = 0;  ///< random key for stochastic (layered) BSDFs
@@ -76,7 +76,7 @@ public:
 
   /// Returns value and pdf of the non-delta lobes.
   virtual BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const = 0;
-  /// Returns the value alone, for BSDFs to which that is cheaper.
+  /// Returns the value alone, for BSDFs where that costs less than value and pdf.
   virtual Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
     return eval_pdf(wi, wo, ctx).value;
   }
@@ -122,8 +122,8 @@ public:
   virtual bool needs_choice() const { return true; }
   /// Whether values are known to be equal at all points, so that they can be tabulated.
   virtual bool is_constant() const { return false; }
-  /// Whether values change when the frame turns about the normal: x must lie along dp/du. False saves the
-  /// tangent.
+  /// Whether values change when the frame rotates about the normal: x must lie along dp/du then. False saves
+  /// the computation of the tangent.
   virtual bool needs_tangent() const { return true; }
   /// Whether there are diffuse or glossy lobes, which next-event estimation can connect to a light.
   bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
@@ -133,6 +133,7 @@ using BsdfPtr = std::shared_ptr<const Bsdf>;
 
 inline float cos_theta(const Vec3& w) { return w.z; }
 inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
-inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
+/// mirror direction of w about the local normal
+inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }
 
 }  // namespace aureole

@@ -33,7 +33,7 @@ protected:
     const Frame& f = point.shading;
     const Vec3 n =
         cross({dot(f.s, dp_du), dot(f.t, dp_du), slope.x}, {dot(f.s, dp_dv), dot(f.t, dp_dv), slope.y});
-    // Texture coordinates may be left-handed or constant.
+    // The normal is kept on its side, since texture coordinates may be left-handed or constant.
     return n.z > 0 ? n : n.z < 0 ? -n : Vec3{0, 0, 1};
   }
 

@@ -30,7 +30,7 @@ public:
         diffuse_(get_texture(properties, "diffuse_reflectance", 0.5, SpectrumRole::reflectance)),
         s_(float(properties.get_float("specular", 0.5, Range::unit()))),
         d_(float(properties.get_float("diffuse", 1 - double(s_), Range::unit()))),
-        // 1/k of the equation above, times the 4 of the Jacobian of the half vector.
+        // Factor 1/k of the equation above, times the 4 of the Jacobian of the half vector.
         scale_(properties.get_choice("denominator", "4", {"4", "pi"}) == "4" ? 1 : 4 * kInvPi) {
     if (s_ + d_ > 1 + 1e-6f)
       throw properties.error(properties.has("diffuse") ? "diffuse" : "specular",
@@ -70,7 +70,8 @@ public:
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:
-  /// All that depends on the point and the wavelengths, and the probability of each lobe.
+  /// Quantities of one evaluation: all that depends on the point and the wavelengths, and the probability of
+  /// each lobe.
   struct State {
     Beckmann slopes, slopes_2;
     float weight_2;
@@ -86,7 +87,8 @@ private:
       const float a = p.alpha_.eval(ctx), a2 = weight_2 > 0 ? p.alpha_2_.eval(ctx) : a;
       slopes = {a, a}, slopes_2 = {a2, a2};
       if (p.normal_reflectance_) {
-        // Cook & Torrance 1982: the index of a medium without absorption that has this reflectance.
+        // Index of refraction of a medium without absorption that has this reflectance (Cook & Torrance
+        // 1982).
         const Spectrum r = sqrt(min(p.normal_reflectance_->eval(ctx.point, ctx.wavelengths), 0.9999f));
         eta = (Spectrum(1.f) + r) / (Spectrum(1.f) - r);
       } else

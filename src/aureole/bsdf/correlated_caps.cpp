@@ -63,7 +63,7 @@ public:
     if (flat) {
       const double height_nm = p.get_length_m("height", 0) * 1e9;
       layer.height = height_nm / layer.radius_nm;
-      // The phases of all discs are one, and turn with the wavelength; tables have nodes for some turns.
+      // The phases of all discs are equal and rotate with the wavelength; tables have nodes for some turns.
       const double difference =
           2 * M_PI * height_nm * (largest_index - 1) * (1 / grid.min_nm - 1 / grid.max_nm);
       if (!(difference <= kMaxPhaseDifference))
@@ -181,8 +181,8 @@ private:
     return l;
   }
 
-  /// Probabilities of `sample`: the null lobe needs one for all wavelengths, the mean of their undiffracted fractions;
-  /// `rest` is the factor of the fractions of other lobes.
+  /// Probabilities of `sample`. The null lobe needs one probability for all wavelengths, the mean of their
+  /// undiffracted fractions; `rest` is the factor of the fractions of other lobes.
   struct LobeProbabilities {
     std::array<CapTables::Shares, kWavelengths> shares;
     float undiffracted = 0;

@@ -146,7 +146,7 @@ private:
   /// is the probability of its lobe.
   struct Point {
     ScattererModel::State state;
-    double phase_nm;  ///< k a (correlation radius a) times the wavelength
+    double phase_nm;  ///< product of k a (correlation radius a) and the wavelength
     float cosine, sine;
     float delta, diffracted, nested, probability;
   };
@@ -162,7 +162,8 @@ private:
     const float fr = model_->covered(x.state.area_fraction);
     x.diffracted = model_->diffracted(x.state.area_fraction);
     x.delta = discs_ ? (1 - fr) * (1 - fr) : fr * fr + (substrate_.is_none() ? 0 : 1 - fr);
-    // Discs leave to it what they do not transmit, openings what falls on the screen between them.
+    // The nested BSDF of discs gets the light that they do not transmit, and the nested BSDF of openings gets
+    // the light on the screen between them.
     x.nested = nested_ ? (discs_ ? std::max(1 - x.delta - x.diffracted, 0.f) : 1 - fr) : 0;
     const float all = x.delta + x.diffracted + x.nested;
     x.probability = all > 0 ? 1 / all : 0;
@@ -183,13 +184,13 @@ private:
       u.x = phase * (n_o * wo.x + n.here * wi.x), u.y = phase * (n_o * wo.y + n.here * wi.y);
       u.length = sqrt(u.x * u.x + u.y * u.y);
     } else {
-      // The two directions nearly cancel here; double precision keeps their difference accurate.
+      // The two transverse components nearly cancel here; double precision keeps their difference accurate.
       const double a = n_o[0], b = n.here[0];
       const double x = a * wo.x + b * wi.x, y = a * wo.y + b * wi.y;
       u.x = phase * float(x), u.y = phase * float(y);
       u.length = phase * float(std::sqrt(x * x + y * y));
     }
-    if (needs_tangent_) {  // in the frame of the shapes
+    if (needs_tangent_) {  // rotates the wave to the frame of the shapes
       const Spectrum x = u.x;
       u.x = x * point.cosine + u.y * point.sine;
       u.y = u.y * point.cosine - x * point.sine;
@@ -209,7 +210,7 @@ private:
     e.value = model_->intensity(point.state, u) * jacobian * share * point.diffracted;
     const float probability = point.diffracted * point.probability;
     if (!kDensity) {
-      // the value alone
+      // the value alone, without the pdf
     } else if (sampler_) {
       const Spectrum u_max = phase * (max(n.here, n.beyond) + n.here * sin_i);
       e.pdf = sampler_->density(point.state, u, u_max) * jacobian * share * probability;
@@ -267,16 +268,17 @@ private:
                       float((reflected ? n_i : n_t) / n_i)};
   }
 
-  static constexpr double kMinPhase = 1e-6, kMaxPhase = 1e9;  // limits of k a for single precision
+  static constexpr double kMinPhase = 1e-6, kMaxPhase = 1e9;  // bounds of k a for single precision
 
   LayerSubstrate substrate_;
   LayerObliquity obliquity_;
   bool discs_, needs_tangent_ = false;
   double phase_nm_;  // 2 pi correlation_radius [nm]: k a times the wavelength
   ScalarTexture area_fraction_, radius_scale_, rotation_;
-  std::shared_ptr<const LayerTables> tables_;  ///< shared by equal layers; null in a scene with errors
+  std::shared_ptr<const LayerTables>
+      tables_;  ///< tables, shared by equal layers; null in a scene with errors
   std::shared_ptr<const ScattererModel> model_;
-  std::shared_ptr<const ScattererSampler> sampler_;  // null: cosine sampling
+  std::shared_ptr<const ScattererSampler> sampler_;  // sampler of the diffracted wave; null: cosine sampling
   std::optional<ScattererBalance> balance_;
   BsdfPtr nested_;
 };

@@ -70,7 +70,8 @@ public:
     const SphereTables::Shares s = tables_->shares(std::abs(wi.z), ctx.wavelengths.nm);
     const Masses m(s);
     const float reflected = s.reflected[0] * m.rest[0], lost = s.lost[0] * m.rest[0];
-    // The delta lobes take both ends of the range of u1, so that they are found however improbable they are.
+    // The delta lobes take both ends of the range of u1, so that samples find them even if they are very
+    // improbable.
     if (u1 < reflected || !(lost > 0 || m.transmitted > 0))
       return BsdfSample{reflect(wi), s.reflected, s.reflected * m.rest, Lobe::delta | Lobe::reflect};
     if (u1 >= reflected + lost || !(lost > 0))
@@ -95,8 +96,8 @@ public:
 private:
   static constexpr double kLargestIndex = 20;
 
-  /// Probabilities of `sample`: that of passing undeflected must not depend on the wavelength, so that it is the
-  /// mean of the fractions; `rest` is the factor of all others.
+  /// Probabilities of `sample`. The probability of passing undeflected must not depend on the wavelength, so
+  /// that it is the mean of the fractions; `rest` is the factor of all other fractions.
   struct Masses {
     float transmitted;
     Spectrum rest;

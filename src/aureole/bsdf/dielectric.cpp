@@ -28,7 +28,7 @@ public:
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2, const BsdfContext& ctx) const override {
     const float cos_i = std::abs(wi.z);
     if (!(cos_i > 0)) return {};
-    // eta: index beyond the interface over the index on the side of wi.
+    // eta is the index of refraction beyond the interface over the index on the side of wi.
     const bool disperses = dispersive_ || ctx.exterior_index;
     Spectrum etas(eta_);
     if (disperses) etas = interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_);
@@ -38,7 +38,7 @@ public:
 
     if (u1 < hero.reflectance) {
       Spectrum r = disperses ? fresnel_dielectric(cos_i, etas) : Spectrum(hero.reflectance);
-      r[0] = hero.reflectance;  // exactly the value that u1 was compared with
+      r[0] = hero.reflectance;  // the hero's value is exactly the one that u1 was compared with
       BsdfSample s{reflect(wi), r, r, Lobe::delta | Lobe::reflect};
       if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
       return s;
@@ -72,7 +72,7 @@ private:
 
   Ior interior_, exterior_;
   bool dispersive_;
-  float eta_;  // without dispersion
+  float eta_;  // relative index of an interface without dispersion
   TexturePtr reflectance_, transmittance_;
 };
 

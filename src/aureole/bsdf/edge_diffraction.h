@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of a BSDF for diffraction at the edges of its shape.
+// Parameters of a BSDF that control diffraction at the edges of its shape.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A fibre of hair or fur, with all scattering at one surface point (Chiang, Bitterli, Tappan & Burley 2016):
-// light is reflected (p = 0), transmitted (1), internally reflected once (2) or more often (all the rest in
-// one lobe). Each lobe is a product of a longitudinal function M_p, an azimuthal function N_p and an
+// light is reflected (p = 0), transmitted (1), internally reflected once (p = 2) or more often (one lobe for
+// all p >= 3). Each lobe is a product of a longitudinal function M_p, an azimuthal function N_p and an
 // attenuation A_p. Angles: theta from the plane perpendicular to the fibre, phi around it. The fibre lies
 // along the local y axis, and the offset h across its width follows from the azimuth of wi about the normal.
 #include <algorithm>
@@ -59,7 +59,8 @@ public:
   }
   /// Samples the sine of theta_o (d'Eon, Marschner & Hanika 2013).
   float sample(const FibreDirection& i, Vec2 u) const {
-    const float below = std::clamp(-v_ * std::log(u.x + (1 - u.x) * tail_), 0.f, 2.f);  // 1 - cos of the turn
+    // 1 - cos of the angle between the longitudinal directions
+    const float below = std::clamp(-v_ * std::log(u.x + (1 - u.x) * tail_), 0.f, 2.f);
     const float sine = std::sqrt(below * (2 - below));
     return std::clamp((below - 1) * i.sin_theta + sine * std::cos(2 * kPi * u.y) * i.cos_theta, -1.f, 1.f);
   }
@@ -124,7 +125,7 @@ public:
     azimuthal_ =
         TrimmedLogistic(float(std::sqrt(kPi / 8) * (0.265 * a + 1.194 * a * a + 5.372 * std::pow(a, 22))));
 
-    // Cuticle scales tilt each lobe along the fibre (Marschner et al. 2003).
+    // Tilt of each lobe along the fibre by the scales of the cuticle (Marschner et al. 2003).
     const double tilt = properties.get_float("scale_tilt", 2, {-90, 90}) * (kPi / 180);
     constexpr double kTurns[kLobes] = {-2, 1, 4, 0};
     for (std::size_t p = 0; p < kLobes; ++p)
@@ -157,13 +158,14 @@ public:
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit | kNearField; }
 
 private:
-  static constexpr double kSmoothest = 0.01;  ///< narrower lobes exceed single precision
+  /// lower bound of the roughness: narrower lobes exceed single precision
+  static constexpr double kSmoothest = 0.01;
 
   struct Turn {
     float sine, cosine;
   };
 
-  /// All that depends only on wi and the point.
+  /// Quantities that depend only on wi and the point.
   struct Incidence {
     FibreDirection wi;
     float gamma_i, gamma_t;  ///< angles of the normal with wi, and with the refracted ray, in the plane

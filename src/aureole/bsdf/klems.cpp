@@ -79,7 +79,8 @@ private:
 
   KlemsSheet sheet_;
   bool is_coloured_ = false;
-  std::array<std::vector<Piecewise1D>, 4> distributions_;  ///< of 2 side + transmitted, by incident patch
+  /// distributions by incident patch, index 2 side + transmitted
+  std::array<std::vector<Piecewise1D>, 4> distributions_;
 };
 
 class Klems final : public SheetBsdf<SampledKlemsSheet> {

@@ -49,7 +49,8 @@ public:
     const Spectrum total = s.total();
     if (!(total[0] > 0)) return {};
     const Spectrum mirrored = safe_divide(s.mirrored, total), passed = safe_divide(s.passed, total);
-    // The delta lobes take both ends of the range of u1, so that they are found however improbable they are.
+    // The delta lobes take both ends of the range of u1, so that samples find them even if they are very
+    // improbable.
     if (u1 < mirrored[0]) return BsdfSample{reflect(wi), s.mirrored, mirrored, Lobe::delta | Lobe::reflect};
     if (u1 >= 1 - passed[0]) return pass(wi, s.passed, passed, ctx);
     const float choice = std::min((u1 - mirrored[0]) / (1 - mirrored[0] - passed[0]), 0x1.fffffep-1f);
@@ -78,7 +79,7 @@ public:
   }
 
 private:
-  /// The reflectance of the Lambertian substrate at this point.
+  /// Reflectance of the Lambertian substrate at one point.
   class Below {
   public:
     Below(const Layered& layered, const BsdfContext& ctx) : is_there_(layered.substrate_ != nullptr) {
@@ -108,8 +109,8 @@ private:
   }
 
   bool is_open_ = false, has_delta_ = false;
-  BsdfPtr substrate_;                        ///< Lambertian and not in the table; otherwise null
-  std::shared_ptr<const StackTable> table_;  ///< null in a scene with errors
+  BsdfPtr substrate_;  ///< substrate that is Lambertian and not part of the table; otherwise null
+  std::shared_ptr<const StackTable> table_;  ///< table of the stack; null in a scene with errors
 };
 
 AUREOLE_PLUGIN(

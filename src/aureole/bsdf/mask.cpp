@@ -15,7 +15,7 @@ public:
       : Bsdf(properties),
         opacity_(get_fraction(properties, "opacity", 0.5)),
         nested_(nested_bsdfs(properties, 1).front()) {
-    // A mask that is opaque or open everywhere has only the lobes of that case, at no cost.
+    // A mask of constant opacity 1 or 0 has only the lobes of that case, at no cost.
     if (opacity_->maximum() > 0) lobes_ = nested_->lobes();
     if (opacity_->minimum() < 1) lobes_ = lobes_ | kNullLobe;
   }
@@ -41,7 +41,7 @@ public:
     return nested_->is_passable() ? open + nested_->null_transmittance(wi, ctx) * opacity : open;
   }
 
-  // Features of the opaque part; the opacity appears in the picture's alpha.
+  // Feature for denoisers: the reflectance of the opaque part, since the picture's alpha shows the opacity.
   Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
     return nested_->diffuse_reflectance(wi, ctx);
   }

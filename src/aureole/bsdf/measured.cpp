@@ -75,7 +75,7 @@ public:
 
 private:
   IncidentSide incident_;
-  std::shared_ptr<const RglTable> table_;  ///< null after an error
+  std::shared_ptr<const RglTable> table_;  ///< table of the file; null after an error
 };
 
 AUREOLE_PLUGIN(

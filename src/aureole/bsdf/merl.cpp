@@ -74,7 +74,7 @@ private:
   IncidentSide incident_;
   bool is_linear_;
   std::array<SampledSpectrum, 3> primaries_;
-  std::shared_ptr<const MerlTable> table_;  ///< null after an error
+  std::shared_ptr<const MerlTable> table_;  ///< table of the file; null after an error
   std::shared_ptr<const HalfVectorDensity> density_;
 };
 

@@ -68,7 +68,7 @@ private:
   /// Returns pi f / rho, without interreflections.
   static float qualitative(const Vec3& wi, const Vec3& wo, float s2) {
     const float a = 1 - 0.5f * s2 / (s2 + 0.33f), b = 0.45f * s2 / (s2 + 0.09f);
-    // sin(larger angle) tan(smaller angle) cos(phi).
+    // Term sin(larger angle) tan(smaller angle) cos(phi).
     const float c = (wi.x * wo.x + wi.y * wo.y) / std::max(wi.z, wo.z);
     return a + b * std::max(c, 0.f);
   }
@@ -83,7 +83,7 @@ private:
     const float c1 = 1 - 0.5f * s2 / (s2 + 0.33f);
     const float c2 = 0.45f * rough * (sin_a - (cos_phi < 0 ? two_beta * two_beta * two_beta : 0));
     const float ab = 4 * alpha * beta * kInvPi * kInvPi, c3 = 0.125f * rough * ab * ab;
-    const float tan_half = (sin_a + sin_b) / (cos_a + cos_b);  // of (alpha + beta)/2
+    const float tan_half = (sin_a + sin_b) / (cos_a + cos_b);  // tangent of (alpha + beta)/2
     const float direct = c1 + cos_phi * c2 * (sin_b / cos_b) + (1 - std::abs(cos_phi)) * c3 * tan_half;
     const float again = 0.17f * s2 / (s2 + 0.13f) * (1 - cos_phi * two_beta * two_beta);
     // The fits become negative for very rough surfaces near grazing angles.

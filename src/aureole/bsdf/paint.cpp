@@ -67,7 +67,7 @@ public:
   }
 
 private:
-  /// All that depends only on wi.z, the point and the wavelengths.
+  /// Quantities that depend only on wi.z, the point and the wavelengths.
   struct State {
     float t_i, specular_probability;
     Spectrum base;
@@ -144,11 +144,12 @@ private:
       k = lerp(k, second_->k.eval(w), t), s = lerp(s, second_->s.eval(w), t);
     }
     const Spectrum gamma = sqrt(min(k * (k + s * 2.f), 1e37f));
-    // Computed while the exponential of gamma is pending, so that no operation waits for the quotient.
+    // The inverse is computed while the exponential of gamma is pending, so that no operation waits for the
+    // quotient.
     return {k, s, gamma, Spectrum(1.f) / max(gamma, 1e-18f)};
   }
 
-  // pigment/kubelka_munk_layer.cpp has these formulas in double precision.
+  // These formulas are also in pigment/kubelka_munk_layer.cpp, in double precision.
 
   static Ratio opaque(const Coefficients& c) { return {c.s, c.k + c.s + c.gamma}; }
 
@@ -282,10 +283,11 @@ private:
   bool opaque_ = true;
   TexturePtr substrate_;
   std::shared_ptr<const Bsdf> substrate_bsdf_;
-  std::optional<Roughness> roughness_;           // if the interface is rough
-  std::shared_ptr<const RoughCoating> coating_;  ///< null: the interface is smooth
-  float eta_ = 1;                                // index of the binder over the index outside
-  float leaving_ = 1;                            // 1 - k2
+  std::optional<Roughness> roughness_;  // roughness of the interface; empty: smooth
+  std::shared_ptr<const RoughCoating>
+      coating_;               ///< coating of a rough interface; null: the interface is smooth
+  float eta_ = 1;             // index of the binder over the index outside
+  float leaving_ = 1;         // fraction 1 - k2 of diffuse light from inside that leaves
   float seen_diffusely_ = 0;  // k1, the interface's reflectance for diffuse light from outside
 };
 

@@ -61,11 +61,11 @@ private:
     }
   };
 
-  /// All that depends only on wi and the wavelengths.
+  /// Quantities that depend only on wi and the wavelengths.
   struct State {
     Spectrum eta, f_i, specular, base;
     float specular_probability;
-    bool flat;  ///< one index for all wavelengths
+    bool flat;  ///< whether one index holds for all wavelengths
 
     State(const Plastic& p, float cos_i, const BsdfContext& ctx) : flat(!p.dispersive_) {
       Spectrum inverse_eta2, f_int;
@@ -101,7 +101,8 @@ private:
   }
 
   void tabulate_coating(const SpectralGrid& grid) {
-    // The quadrature is costly and the function is smooth: few nodes, linear between them.
+    // Few nodes with linear interpolation suffice, since the function is smooth, and its quadrature is
+    // costly.
     constexpr int kNodes = 129;
     std::vector<double> nm(kNodes), values(kNodes);
     for (int i = 0; i < kNodes; ++i) {
@@ -115,7 +116,7 @@ private:
   Ior interior_, exterior_;
   bool dispersive_, nonlinear_;
   Coating constant_;
-  SampledSpectrum f_int_;  // if dispersive
+  SampledSpectrum f_int_;  // internal diffuse reflectance of a dispersive coating
   TexturePtr diffuse_, specular_;
 };
 

@@ -138,7 +138,8 @@ private:
     float roughness, metallic, clearcoat;
     float brdf, bsdf;  ///< weights of the diffuse and of the transmitting lobes
     Ggx ggx;
-    float p_diffuse, p_clearcoat, p_specular, total;  ///< `total` is the sum of the others
+    /// probabilities of the lobes; `total` is the sum of the others
+    float p_diffuse, p_clearcoat, p_specular, total;
 
     State(const Principled& p, const Vec3& wi, const BsdfContext& ctx)
         : front(wi.z > 0),
@@ -210,7 +211,7 @@ private:
     if (!(c_i > 0 && c_o > 0)) return {};
     const float f = fresnel_dielectric(c_i, s.eta).reflectance;
     if (!(f < 1)) return {};
-    // B. Walter et al. 2007, equations 17 and 21.
+    // Value by B. Walter et al. 2007, equations 17 and 21.
     const float d = s.ggx.d(m) * s.ggx.g1_over_cos(wi) * c_i * s.eta * s.eta * c_o / length2;
     float value = s.bsdf * (1 - f) * d * s.ggx.g1(wo);
     if (ctx.mode == TransportMode::radiance) value *= 1 / (s.eta * s.eta);
@@ -223,7 +224,7 @@ private:
       clearcoat_, clearcoat_gloss_;
   float diffuse_rate_, specular_rate_, clearcoat_rate_;
   bool transmits_;
-  float eta_ = 1;  // index of the interior over that of the exterior
+  float eta_ = 1;  // index of refraction of the interior over that of the exterior
   DiffuseLoss loss_;
 };
 

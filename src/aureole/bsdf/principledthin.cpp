@@ -87,7 +87,8 @@ public:
 
 private:
   struct State {
-    float roughness, anisotropic, spec_trans, eta, diff_trans;  ///< here diff_trans is in [0, 1]
+    /// weights of the lobes; diff_trans is scaled to [0, 1]
+    float roughness, anisotropic, spec_trans, eta, diff_trans;
     Ggx ggx;
     float p_specular_reflect, p_specular_transmit, p_diffuse_reflect, p_diffuse_transmit, total;
 

@@ -59,8 +59,8 @@ public:
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect; }
 
 private:
-  /// All that depends only on wi and the point. `loss` is the probability of the second lobe, one number for
-  /// all wavelengths.
+  /// Quantities that depend only on wi and the point. `loss` is the probability of the second lobe, one
+  /// number for all wavelengths.
   struct State {
     Microfacets facets;
     LossTable::Place place;
@@ -70,7 +70,7 @@ private:
       if (!b.loss_) return;
       place = b.loss_->locate(facets);
       average_loss = b.loss_->average(place, 1.f);
-      // Smaller losses are below single precision.
+      // The second lobe is left out where the loss is below single precision.
       if (average_loss > 1e-6f) loss = b.loss_->loss(place, wi, 1.f);
     }
   };
@@ -85,8 +85,8 @@ private:
     const Spectrum tint = reflectance_ ? reflectance_->eval(ctx.point, ctx.wavelengths) : Spectrum(1.f);
     BsdfEval e{index_.reflectance(cos_im, ctx) * tint * (seen * s.facets.masking(wo)), pdf};
     if (s.loss > 0) {
-      // Light that hits facets twice or more: it is reflected by F_avg each time, and escapes with E_avg
-      // after each.
+      // Light that hits facets twice or more: each reflection keeps F_avg of it, and E_avg of the rest
+      // escapes after each reflection.
       const Spectrum f = index_.diffuse_reflectance(ctx) * tint;
       const Spectrum f_ms = f * f * (1 - s.average_loss) / (Spectrum(1.f) - f * s.average_loss);
       const float cosine = cosine_hemisphere_pdf(wo.z);
@@ -99,7 +99,7 @@ private:
   ConductorIndex index_;
   TexturePtr reflectance_;
   Roughness roughness_;
-  std::shared_ptr<const LossTable> loss_;  ///< null: light is scattered once
+  std::shared_ptr<const LossTable> loss_;  ///< table of the lost fraction; null: light is scattered once
 };
 
 AUREOLE_PLUGIN(

@@ -100,7 +100,7 @@ private:
   /// smooth interface, x_a = (1 - F_a) min(avg_a, avg_b)/avg_a satisfies it and lies in [0, 1].
   struct Multiple {
     LossTable above, below;
-    std::vector<float> entering;  ///< 1 - F from above, at the nodes of the index
+    std::vector<float> entering;  ///< transmittance 1 - F from above, at the nodes of the index
     const LossTable& side(bool is_below) const { return is_below ? below : above; }
 
     Multiple(const Roughness& roughness, const std::vector<float>& etas) {
@@ -109,20 +109,21 @@ private:
         return kept(scattered_energy(d, wi, eta, points));
       });
       below = LossTable(roughness, etas, [&](const Microfacets& d, const Vec3& wi, float eta, int points) {
-        // The critical angle needs more points.
+        // The critical angle makes the integrand less smooth, so that more points are needed.
         return kept(scattered_energy(d, wi, 1 / eta, 3 * points));
       });
       for (const float eta : etas) entering.push_back(float(1 - optics::fresnel_diffuse_reflectance(eta)));
     }
   };
 
-  /// All that depends only on wi and the point. The frame is flipped so that wi is above.
+  /// Quantities that depend only on wi and the point. The frame is flipped so that wi is above.
   template <class T>
   struct State {
     Microfacets facets, sampler;
     Vec3 wi;
     bool below;
-    T eta, eta_above;  ///< index beyond over the index on the side of wi; interior over exterior
+    /// index beyond over the index on the side of wi; and index of the interior over the exterior
+    T eta, eta_above;
     float masking_over_cos;
     LossTable::Place place;
     T loss{0.f}, average{0.f}, average_beyond{0.f}, crossing{0.f};
@@ -142,7 +143,7 @@ private:
       const Multiple& m = *b.multiple_;
       const LossTable &here = m.side(below), &beyond = m.side(!below);
       place = here.locate(facets);
-      // The floor removes values that single precision cannot distinguish from zero.
+      // The lower bound removes values that single precision cannot distinguish from zero.
       average = larger(here.average(place, eta_above), T(1e-6f));
       average_beyond = larger(beyond.average(place, eta_above), T(1e-6f));
       loss = here.loss(place, wi, eta_above);
@@ -257,10 +258,11 @@ private:
 
   Ior interior_, exterior_;
   bool dispersive_;
-  float eta_;  // without dispersion
+  float eta_;  // relative index of an interface without dispersion
   TexturePtr reflectance_, transmittance_;
   Roughness roughness_;
-  std::shared_ptr<const Multiple> multiple_;  ///< null: light is scattered once
+  std::shared_ptr<const Multiple>
+      multiple_;  ///< tables of multiple scattering; null: light is scattered once
   DiffuseLoss loss_;
 };
 

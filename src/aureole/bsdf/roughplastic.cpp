@@ -77,9 +77,9 @@ public:
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:
-  /// All that depends only on wi.z, the point and the wavelengths.
+  /// Quantities that depend only on wi.z, the point and the wavelengths.
   struct State {
-    Spectrum eta, position, tint{1.f}, base;  ///< `position` of the index between the two coatings
+    Spectrum eta, position, tint{1.f}, base;  ///< relative index, and its `position` between the two coatings
     float specular_probability;
 
     State(const RoughPlastic& p, float cos_i, const BsdfContext& ctx) : eta(p.low_) {
@@ -140,7 +140,8 @@ private:
   Microfacets facets_;
   float low_ = 1, high_ = 1;  // smallest and largest index, interior over exterior
   std::shared_ptr<const std::vector<RoughCoating>> coatings_;
-  const RoughCoating *first_ = nullptr, *last_ = nullptr;  ///< first and last of these
+  const RoughCoating *first_ = nullptr,
+                     *last_ = nullptr;  ///< coatings of the smallest and of the largest index
 };
 
 AUREOLE_PLUGIN(

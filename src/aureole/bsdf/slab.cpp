@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slab with parallel faces as one surface, with interference and absorption: a wall for radio waves, a soap film, a
-// metal leaf that light passes.
+// A slab with parallel faces as one surface, with interference and absorption: a wall for radio waves, a soap
+// film, a semi-transparent metal foil.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -38,7 +38,8 @@ public:
         throw p.error("int_ior", "the index of refraction, with \"k\", must be at most 1e6");
     eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index(nm).real(); });
     k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index(nm).imag(); });
-    // At normal incidence the way through the slab is shortest, so that absorption is least.
+    // The transmittance below which the slab counts as opaque. At normal incidence the path through the slab
+    // is shortest, so that absorption is least.
     constexpr double kOpaque = 1e-12;
     for (int i = 0; i <= grid.cells; ++i)
       passes_ |= std::exp(-4 * kPiD * index(grid.node(i)).imag() * thickness_nm_ / grid.node(i)) > kOpaque;
@@ -92,7 +93,7 @@ private:
   SampledSpectrum eta_, k_;
   Ior exterior_;
   double thickness_nm_;
-  bool passes_ = false;  ///< whether at least 1e-12 of the light passes at some wavelength
+  bool passes_ = false;  ///< whether the transmittance is at least 1e-12 at some wavelength
   TexturePtr reflectance_, transmittance_;
 };
 

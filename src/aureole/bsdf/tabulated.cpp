@@ -75,7 +75,7 @@ public:
     const bool transmitted = (wi.z > 0) != (wo.z > 0);
     const auto& density = densities_[transmitted];
     if (!density) return {};
-    // Light from below can only be transmitted.
+    // The lower side has only the lobe of transmission.
     const float part = wi.z < 0 ? 1.f : transmitted ? transmitted_part_ : 1 - transmitted_part_;
     return {eval(wi, wo, ctx), part * density->pdf(up(wi), up(wo))};
   }
@@ -127,7 +127,7 @@ private:
   bool is_spectral_ = false, is_coloured_ = false;
   ScatteredTable reflection_, transmission_;
   std::shared_ptr<const HalfVectorDensity>
-      densities_[2];            ///< of reflection and transmission; null where there is none
+      densities_[2];            ///< densities of reflection and of transmission; null where there is none
   float transmitted_part_ = 0;  ///< probability of sampling transmission from above
 };
 

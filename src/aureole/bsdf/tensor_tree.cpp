@@ -16,7 +16,8 @@ public:
 
   std::array<float, 3> f(int side, bool transmitted, const Vec3& i, const Vec3& o) const {
     const TensorTree& t = tree(side, transmitted);
-    // A missing direction of transmission is the other one, exchanged.
+    // Where the transmission of one side is missing, the tree of the other side is used with exchanged
+    // directions.
     const float value = t.empty() && transmitted ? tree(1 - side, true).at(o, i) : t.at(i, o);
     return {value, value, value};
   }
@@ -59,7 +60,7 @@ private:
   bool is_reversed(int side, bool transmitted) const {
     return transmitted && tree(side, true).empty() && !tree(1 - side, true).empty();
   }
-  /// The fraction that is scattered there; an estimate for the reverse of the other direction.
+  /// The fraction that is scattered to that side; an estimate where the tree of the other side is used.
   float power(int side, bool transmitted, const Vec3& i) const {
     return tree(is_reversed(side, transmitted) ? 1 - side : side, transmitted).power(i);
   }

@@ -29,7 +29,7 @@ public:
     const float cos_i = std::abs(wi.z);
     if (!(cos_i > 0)) return {};
     const Spectrum r = reflectance(cos_i, ctx);
-    const float mass = mean(r);  // a null lobe's probability must not depend on the wavelength
+    const float mass = mean(r);  // the probability of a null lobe must not depend on the wavelength
     if (u1 < mass) {
       BsdfSample s{reflect(wi), r, mass, Lobe::delta | Lobe::reflect};
       if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
@@ -61,7 +61,7 @@ private:
 
   Ior interior_, exterior_;
   bool dispersive_;
-  float eta_;  // without dispersion
+  float eta_;  // index of refraction of a pane without dispersion
   TexturePtr reflectance_, transmittance_;
 };
 

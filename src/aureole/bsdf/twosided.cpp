@@ -59,7 +59,8 @@ public:
   Lobe lobes() const override { return differ() ? front_->lobes() | back_->lobes() : front_->lobes(); }
 
 private:
-  /// Evaluating one BSDF twice would double the work with every level of nesting.
+  /// Whether front and back differ. Where they are the same BSDF, it is evaluated once: evaluating it twice
+  /// would double the work with every level of nesting.
   bool differ() const { return front_ != back_; }
   static Vec3 flip(const Vec3& w) { return {w.x, w.y, -w.z}; }
 

@@ -67,10 +67,10 @@ private:
     Vec3 h = wi + wo;
     const float length2 = length_squared(h);
     if (!(p > 0) || !(length2 > 1e-30f)) return e;
-    const float length = std::sqrt(length2), c = 0.5f * length;  // c is w_o . h
+    const float length = std::sqrt(length2), c = 0.5f * length;  // the cosine c is w_o . h
     h = h * (1 / length);
     const float d = slopes.d(h);
-    // f cos_o; the cosine of wi is bounded to avoid overflow in single precision.
+    // The value f cos_o; the cosine of wi is bounded to avoid overflow in single precision.
     const float h4 = h.z * h.z * h.z * h.z, cos_i = std::max(wi.z, 1e-12f);
     float shape = 0;
     switch (variant_) {

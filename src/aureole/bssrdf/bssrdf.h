@@ -17,7 +17,7 @@ namespace aureole {
 
 /// The point where a path enters the body, and its wavelengths.
 struct BssrdfContext {
-  const Wavelengths& wavelengths;  ///< index 0 is the hero
+  const Wavelengths& wavelengths;  ///< wavelengths of the path; index 0 is the hero
   const SurfacePoint& point;
 };
 
@@ -42,8 +42,8 @@ public:
   /// Samples a distance for the hero wavelength from u in [0, 1). Its density is 2 pi distance times the pdf
   /// per area.
   virtual float sample_distance(float u, const BssrdfContext& ctx) const = 0;
-  /// Returns a distance beyond which hardly any light exits, at all wavelengths of the path. It bounds the
-  /// search for exits about the plane at the entry point.
+  /// Returns a distance beyond which hardly any light exits, at all wavelengths of the path. The distance
+  /// bounds the search for exits about the plane at the entry point.
   virtual float reach(const BssrdfContext& ctx) const = 0;
 
 protected:

@@ -42,7 +42,7 @@ public:
     if (!p.get_bool("single_scattering", false)) return;
     extinction_ = SampledSpectrum(grid, std::move(extinction)),
     albedo_ = SampledSpectrum(grid, std::move(albedo));
-    constexpr double kMaxAsymmetry = 0.999;  // upper bound of |g|; for larger ones nothing is scattered back
+    constexpr double kMaxAsymmetry = 0.999;  // upper bound of |g|, above which nothing is scattered back
     single_.emplace(std::clamp(asymmetry, -kMaxAsymmetry, kMaxAsymmetry), relative_index().average());
     single_total_ = float(single_->total());
   }
@@ -66,7 +66,8 @@ public:
 
   float reach(const BssrdfContext& ctx) const override {
     const Terms t(*this, ctx.wavelengths);
-    // The image's term has the largest extent.
+    // Fraction of the light within the reach, which is set by the image's term, since that has the largest
+    // extent.
     constexpr float kNearlyAll = 0.999f;
     float r = 0;
     for (int i = 0; i < kWavelengths; ++i) r = std::max(r, invert(kNearlyAll, t.image[i], t.effective[i]));
@@ -76,8 +77,8 @@ public:
 private:
   struct Terms {
     Spectrum source, image, effective, half_albedo;
-    Spectrum left_source, left_image;     ///< integrals of the two terms, exp(-s z)
-    Spectrum extinction, albedo, single;  ///< of single scattering; `single` is its integral
+    Spectrum left_source, left_image;     ///< integrals exp(-s z) of the two terms
+    Spectrum extinction, albedo, single;  ///< coefficients of single scattering; `single` is its integral
 
     Terms(const DipoleBssrdf& d, const Wavelengths& w)
         : source(d.source_.eval(w)),
@@ -137,7 +138,7 @@ private:
       y -= step;
       if (!(std::abs(step) > 1e-6f * y)) break;
     }
-    // sqrt(d^2 - z^2), d = z exp(y)
+    // Distance r = sqrt(d^2 - z^2) with d = z exp(y).
     return z * std::sqrt(std::max(std::expm1(2 * y), 0.f));
   }
 

@@ -41,7 +41,7 @@ public:
     for (std::size_t i = 0; i < matter.size(); ++i) {
       const double albedo = matter.reduced_scattering(i) / matter.transport(i),
                    n = double(relative_index().nodes()[i]);
-      // In many materials neighbouring nodes are equal.
+      // Values are reused where neighbouring nodes are equal, as in many materials.
       if (albedo != known_albedo || n != known_index) {
         known_albedo = albedo, known_index = n;
         known = optics::half_space_reflectance(albedo, n, illumination);
@@ -54,7 +54,7 @@ public:
 
   BssrdfEval eval_pdf(float r, const BssrdfContext& ctx) const override {
     const Spectrum a = reflectance(ctx), d = width(a, ctx);
-    // The density has a pole at 0, which samples reach only by underflow.
+    // The density has a pole at distance 0, which samples reach only by underflow.
     const float distance = std::max(r, 1e-30f);
     const Spectrum pdf = make_spectrum([&](int i) {
                            const float x = std::exp(-distance / (3 * d[i]));
@@ -105,8 +105,8 @@ private:
   }
 
   static constexpr int kCells = 128;
-  std::vector<float> scale_;  ///< s at equal steps of the reflectance
-  TexturePtr reflectance_;    ///< if it varies over the surface, else null
+  std::vector<float> scale_;  ///< scale s at equal steps of the reflectance
+  TexturePtr reflectance_;    ///< reflectance that varies over the surface, else null
   SampledSpectrum constant_reflectance_, mean_free_path_;
 };
 

@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-/// A context of Little CMS that prints nothing.
+/// A context of Little CMS that does not print messages.
 using Context = std::unique_ptr<std::remove_pointer_t<cmsContext>, void (*)(cmsContext)>;
 using IccProfile = std::unique_ptr<void, cmsBool (*)(cmsHPROFILE)>;
 using IccTransform = std::unique_ptr<void, void (*)(cmsHTRANSFORM)>;
@@ -36,7 +36,7 @@ IccProfile profile_with_curve(cmsContext context, const Primaries& p, double gam
   return profile;
 }
 
-/// sRGB, whose values are encoded for display or linear.
+/// Makes a profile of sRGB, whose values are encoded for display or linear.
 IccProfile make_srgb(cmsContext context, bool linear) {
   if (!linear) return owned(cmsCreate_sRGBProfileTHR(context));
   return profile_with_curve(context, kSrgbPrimaries, 1);
@@ -110,7 +110,7 @@ std::string convert_from_profile(Image& image, std::span<const unsigned char> by
   const bool is_grey = at[0] < 0 && image.channel("Y") >= 0;
   const cmsColorSpaceSignature space = cmsGetColorSpace(from.get());
   if (space != (is_grey ? cmsSigGrayData : cmsSigRgbData)) {
-    // A grey picture with a profile of colours: its grey is that of equal R, G and B.
+    // A grey picture with a colour profile: its grey counts as equal R, G and B.
     if (!(is_grey && space == cmsSigRgbData))
       return "the colour profile " + name_of(from.get()) +
              " in the file is not for its channels: its colours are taken for sRGB";

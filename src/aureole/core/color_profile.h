@@ -13,8 +13,8 @@ namespace aureole {
 
 /// Chromaticities x, y of red, green, blue and white.
 using Primaries = std::array<double, 8>;
-inline constexpr Primaries kSrgbPrimaries = {0.64, 0.33, 0.30,   0.60,
-                                             0.15, 0.06, 0.3127, 0.3290};  // IEC 61966-2-1
+/// Primaries and white point of sRGB (IEC 61966-2-1).
+inline constexpr Primaries kSrgbPrimaries = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
 
 /// Returns the ICC profile (version 2) of sRGB: of values that are encoded for display, or of linear ones.
 const std::vector<unsigned char>& srgb_profile(bool linear);

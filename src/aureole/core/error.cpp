@@ -9,7 +9,8 @@ namespace aureole {
 
 FileName::FileName(const std::string& name) {
   static std::mutex mutex;
-  static auto& names = *new std::unordered_set<std::string>;  // lives as long as any location
+  // the set is never destroyed, since locations refer to its names
+  static auto& names = *new std::unordered_set<std::string>;
   if (name.empty()) return;
   const std::lock_guard lock(mutex);
   name_ = &*names.insert(name).first;
@@ -76,7 +77,8 @@ ErrorList::ErrorList(std::vector<std::string> errors) : Error(joined(errors)), e
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string wanted = lower(name);
   std::string best;
-  // A third of the letters may differ: enough for typing errors, but unrelated words are not suggested.
+  // Largest number of letters that may differ, a third: enough for typing errors, while unrelated words are
+  // not suggested.
   size_t best_distance = std::max<size_t>(2, wanted.size() / 3) + 1;
   for (const auto& c : candidates) {
     const std::string candidate = lower(c);

@@ -25,7 +25,7 @@ public:
   friend bool operator==(FileName a, FileName b) { return a.name_ == b.name_; }
 
 private:
-  const std::string* name_ = nullptr;  ///< null for an empty name
+  const std::string* name_ = nullptr;  ///< the stored name; null for an empty name
 };
 
 /// A position in a text file. `line` and `column` count from 1; 0 means unknown.
@@ -34,7 +34,7 @@ struct SourceLocation {
   int line = 0;
   int column = 0;
 
-  /// "file:line:column", without unknown parts.
+  /// Returns "file:line:column", without unknown parts.
   std::string str() const;
 };
 
@@ -73,7 +73,8 @@ private:
   void add_once(std::vector<std::string>& list, const SourceLocation& where, const std::string& message);
 
   std::vector<std::string> errors_, notes_;
-  std::unordered_set<std::string> known_;  ///< of both lists: a scene may have 100,000 problems
+  /// entries of both lists, for a fast search: a scene may have 100,000 problems
+  std::unordered_set<std::string> known_;
 };
 
 /// Several errors in one exception; `what()` joins them by newlines.
@@ -86,11 +87,11 @@ private:
   std::vector<std::string> errors_;
 };
 
-/// The candidate nearest to `name` in edit distance (case-insensitive), or an empty string if none is
+/// Returns the candidate nearest to `name` in edit distance (case-insensitive), or an empty string if none is
 /// similar.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
-/// `"; did you mean \"x\"?"` for the nearest candidate, or an empty string.
+/// Returns `"; did you mean \"x\"?"` for the nearest candidate, or an empty string.
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
 /// Returns `did_you_mean`, or "; there are: a, b, c" if no candidate is near.
 std::string did_you_mean_or_all(std::string_view name, const std::vector<std::string>& candidates);

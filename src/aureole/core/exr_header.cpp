@@ -23,7 +23,8 @@ namespace {
 constexpr std::uint32_t kDeep = 0x800, kMultiPart = 0x1000;
 /// Upper bound of the compression ratio of whole images over all compression methods of the format.
 constexpr double kMaxRatio = 20000;
-/// Bytes of a chunk, twice, for each byte of the file: whole pictures may be one chunk, but then the file is large.
+/// Bound of the bytes of a decompressed chunk, counted twice, for each byte of the file: a whole picture may
+/// be one chunk, but its file is large then.
 constexpr double kChunkBytesPerByte = 16;
 
 class Cursor {
@@ -78,7 +79,8 @@ struct Part {
   double width = 0, height = 0, tile_width = 0, tile_height = 0, lines = 1, chunk_count = 0;
 };
 
-/// Throws Error where the library would allocate more than a file of this size can fill, or than it may need.
+/// Throws Error where the library would allocate more than a file of this size can fill, or than the picture
+/// may need.
 void check_part(const Part& part, std::size_t file_bytes, std::size_t max_pixels) {
   const double pixel_bytes = std::max(part.channels.pixel_bytes, 1.0);
   check_size((long long)part.width, (long long)part.height, part.channels.count, max_pixels, file_bytes,

@@ -12,7 +12,7 @@
 
 namespace aureole {
 
-/// A change of colour space that the file of an image asks for.
+/// A change of colour space that an image file requests.
 struct ColorConversion {
   std::array<float, 9> to_srgb;  ///< rows of the matrix from the stored R, G, B to linear sRGB
   std::vector<std::string> notes;
@@ -24,18 +24,18 @@ struct Image {
   int width = 0, height = 0;
   std::vector<std::string> channels;
   std::vector<float> pixels;  ///< height x width x channels
-  bool srgb_encoded = false;  ///< values in [0, 1] are sRGB-encoded (8- and 16-bit formats)
-  bool cube_map = false;      ///< six faces one above the other (EXR attribute `envmap`)
+  bool srgb_encoded = false;  ///< whether values in [0, 1] are sRGB-encoded (8- and 16-bit formats)
+  bool cube_map = false;      ///< whether the image is six faces one above the other (EXR attribute `envmap`)
   /// Set where the file states other primaries or an exposure. `read_image` applies it and adds its notes to
-  /// the image's, unless asked for stored values.
+  /// the image's, unless the caller requests stored values.
   std::optional<ColorConversion> conversion{};
   /// The ICC profile in the file, or one of the primaries and the transfer function that a PNG states. `read_image`
-  /// converts the colours to sRGB, with a note, unless asked for stored values.
+  /// converts the colours to sRGB, with a note, unless the caller requests stored values.
   std::vector<unsigned char> profile{};
-  /// How the file was understood where that is not obvious, such as "the first of 12 pages is read".
+  /// Assumptions made on reading the file, such as "the first of 12 pages is read".
   std::vector<std::string> notes{};
-  std::string format{};     ///< of the file it was read from, such as "PNG, 8 bits per channel"
-  std::string primaries{};  ///< that the file states, in words; empty if it states none
+  std::string format{};     ///< format of the file that was read, such as "PNG, 8 bits per channel"
+  std::string primaries{};  ///< primaries that the file states, in words; empty if it states none
 
   std::size_t channel_count() const { return channels.size(); }
   float& at(int x, int y, std::size_t c) {
@@ -65,8 +65,8 @@ enum class ImageColors { srgb, stored };
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes = nullptr,
                  std::size_t max_pixels = std::size_t(1) << 30, ImageColors colors = ImageColors::srgb);
 
-/// Returns whether the content of a file begins as that of an image; TGA, which has no signature, and BMP are told by
-/// their extension. Throws Error if the file cannot be read.
+/// Returns whether the content of a file begins like an image; TGA, which has no signature, and BMP are
+/// recognised by their extension. Throws Error if the file cannot be read.
 bool is_image_file(const std::filesystem::path& file);
 
 enum class ExrPixel { half, float32 };

@@ -15,12 +15,14 @@ namespace aureole::codec {
 using Bytes = std::span<const unsigned char>;
 
 /// Throws Error unless width x height is positive, at most max_pixels, and at most `most_per_byte` pixels per
-/// byte of the file. So a damaged header cannot cause an allocation that no file of this size can fill. Also
-/// throws where the pixels as floats need more than `kPixelBytesPerByte` bytes for each byte of the file.
+/// byte of the file. Thus a damaged header cannot cause an allocation that no file of this size can fill.
+/// Also throws where the pixels as floats need more than `kPixelBytesPerByte` bytes for each byte of the
+/// file.
 void check_size(long long width, long long height, double channels, std::size_t max_pixels,
                 std::size_t file_bytes, double most_per_byte);
 
-/// Deflate compresses at most 1032 to 1, and a byte becomes a float: a PNG of one colour has this ratio.
+/// Bound of the bytes of an image as floats for each byte of its file. Deflate compresses at most 1032 to 1,
+/// and a byte becomes a float: a PNG of one colour has this ratio.
 constexpr double kPixelBytesPerByte = 4 * 1050;
 
 /// Channel names of one to four channels: Y; Y, A; R, G, B; R, G, B, A.
@@ -46,9 +48,9 @@ Integer integer_value(float v) {
 
 /// The order in which a file stores its pixels.
 struct Orientation {
-  bool transposed = false;   ///< stored lines are columns of the picture
-  bool from_right = false;   ///< columns from right to left
-  bool from_bottom = false;  ///< rows from the bottom to the top
+  bool transposed = false;   ///< whether stored lines are columns of the picture
+  bool from_right = false;   ///< whether columns are stored from right to left
+  bool from_bottom = false;  ///< whether rows are stored from bottom to top
 };
 /// Returns an image with rows from the top and columns from the left.
 Image reoriented(Image image, const Orientation& stored);
@@ -66,7 +68,7 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
 std::vector<char> encode_png(const Image& image, int bits);
 std::vector<char> encode_jpeg(const Image& image, int quality);
 std::vector<char> encode_tiff(const Image& image, TiffPixel pixel);
-/// Encode images whose channels are exactly R, G, B or Y.
+/// These functions encode images whose channels are exactly R, G, B or Y.
 std::vector<char> encode_hdr(const Image& image);
 std::vector<char> encode_pfm(const Image& image);
 

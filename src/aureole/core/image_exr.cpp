@@ -91,7 +91,7 @@ void read_chromaticities(const Imf::Header& header, Image& image) {
   const std::string names = fmt::format("red {}, green {}, blue {}, white {}", text(stored.red),
                                         text(stored.green), text(stored.blue), text(stored.white));
   image.primaries = names;
-  // Row vectors are multiplied from the left.
+  // The Imath matrix multiplies row vectors from the right.
   const Imath::M44f m = Imf::RGBtoXYZ(stored, 1) * Imf::XYZtoRGB(srgb, 1);
   std::array<float, 9> rows;
   bool good = true;
@@ -118,7 +118,7 @@ void read_notes(const Imf::Header& header, int parts, Image& image) {
         display.min.x, display.min.y));
 }
 
-/// The sample types of the channels and the compression, in words.
+/// Returns the sample types of the channels and the compression, in words.
 std::string format_text(const Imf::Header& header) {
   std::string types;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
@@ -178,7 +178,8 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
   for (const auto& [name, value] : attributes.integers) header.insert(name, Imf::IntAttribute(value));
   for (const auto& [name, value] : attributes.floats) header.insert(name, Imf::FloatAttribute(value));
   if (image.channel("R") >= 0 && image.channel("G") >= 0 && image.channel("B") >= 0)
-    Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709 with D65, like sRGB
+    // written although the default, Rec. 709 with D65, equals sRGB
+    Imf::addChromaticities(header, Imf::Chromaticities());
 
   const bool as_half = pixel == ExrPixel::half;
   std::vector<half> halves;
@@ -203,7 +204,7 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(frame);
     file.writePixels(image.height);
-  }  // the table of line offsets is written here
+  }  // the destructor writes the table of line offsets here
   return std::move(stream.bytes);
 } catch (const Error&) {
   throw;

@@ -129,7 +129,7 @@ void read_resolution(std::string_view line, Header& h) {
   h.orientation.transposed = axis[0] == 'X';
   for (int k = 0; k < 2; ++k) {
     if (axis[k] == 'X') h.orientation.from_right = sign[k] == '-';
-    if (axis[k] == 'Y') h.orientation.from_bottom = sign[k] == '+';  // y points up
+    if (axis[k] == 'Y') h.orientation.from_bottom = sign[k] == '+';  // in this format y points upwards
   }
 }
 
@@ -168,7 +168,7 @@ Header read_header(Bytes bytes) {
   return h;
 }
 
-/// The conversion that a header asks for, if any.
+/// The conversion that a header requests, if any.
 std::optional<ColorConversion> conversion(const Header& h) {
   std::vector<std::string> notes;
   Matrix m = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -240,8 +240,8 @@ private:
   void require(std::size_t n) const {
     if (bytes_.size() < n) throw Error("the file is truncated");
   }
-  /// A pixel with the mantissas 1, 1, 1 repeats the one before; several in sequence are digits to base 256 of
-  /// the count.
+  /// Reads pixels with repeat counts. A pixel with the mantissas 1, 1, 1 repeats the one before; several in
+  /// sequence are digits to base 256 of the count.
   void read_pixels(std::vector<Rgbe>& line) {
     int shift = 0;
     for (std::size_t x = 0; x < line.size();) {
@@ -263,8 +263,8 @@ private:
   Bytes bytes_;
 };
 
-/// Rounds mantissas to nearest, for readers that use them directly, as most do (Radiance itself adds one
-/// half).
+/// Encodes a pixel. Mantissas are rounded to nearest, for readers that use them directly, as most do
+/// (Radiance itself adds one half).
 Rgbe to_rgbe(float r, float g, float b) {
   const float c[3] = {std::max(r, 0.f), std::max(g, 0.f), std::max(b, 0.f)};
   const float largest = std::max({c[0], c[1], c[2]});
@@ -306,7 +306,7 @@ void append_runs(std::vector<char>& out, const std::vector<unsigned char>& line)
 
 Image read_hdr(Bytes bytes, std::size_t max_pixels) {
   const Header header = read_header(bytes);
-  // Four bytes may repeat a pixel any number of times.
+  // No upper bound of the compression exists, since four bytes may repeat a pixel any number of times.
   check_size(header.line_length, header.lines, 3, max_pixels, bytes.size(), 20000);
   Image image = make_image(header.line_length, header.lines, 3, false, [](std::size_t) { return 0.f; });
   LineReader reader(header.body);

@@ -27,7 +27,7 @@ struct JpegState {
   unsigned profile_size = 0;
 };
 
-/// State of writing, with the same rule.
+/// State of writing; functions that use it have no local objects with destructors either.
 struct JpegWriter {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -36,7 +36,7 @@ struct JpegWriter {
   const unsigned char* data = nullptr;
   const unsigned char* profile = nullptr;
   unsigned profile_size = 0;
-  unsigned char* output = nullptr;  ///< freed by free()
+  unsigned char* output = nullptr;  ///< encoded bytes, freed by free()
   unsigned long output_size = 0;
 };
 
@@ -126,7 +126,7 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   };
   check(read_header(s, bytes));
   const int width = int(s.jpeg.image_width), height = int(s.jpeg.image_height);
-  // A block of 64 pixels takes at least one bit.
+  // A block of 64 pixels takes at least one bit, which bounds the number of pixels.
   check_size(width, height, s.jpeg.num_components, max_pixels, bytes.size(), 8 * 64);
   const int components = s.jpeg.out_color_space == JCS_GRAYSCALE ? 1
                          : s.jpeg.out_color_space == JCS_CMYK    ? 4

@@ -29,7 +29,8 @@ struct PngState {
   std::vector<unsigned char> data;
   std::vector<png_bytep> rows;
   int width = 0, height = 0, channels = 0, bits = 8;
-  /// Colours as the file states them: bytes of an ICC profile, or primaries and the exponent of encoding, 0 if unstated.
+  /// Colour space as the file states it: bytes of an ICC profile, or primaries and the exponent of encoding,
+  /// 0 if unstated.
   png_bytep profile = nullptr;
   png_uint_32 profile_size = 0;
   char profile_problem[128] = "";
@@ -42,7 +43,7 @@ void on_error(png_structp png, png_const_charp message) {
   std::snprintf(state->message, sizeof state->message, "%s", message);
   std::longjmp(png_jmpbuf(png), 1);
 }
-/// Keeps why libpng does not use a colour profile; its other warnings are harmless.
+/// Keeps the reason for which libpng does not use a colour profile; its other warnings are harmless.
 void on_warning(png_structp png, png_const_charp message) {
   auto* state = static_cast<PngState*>(png_get_error_ptr(png));
   if (std::strncmp(message, "iCCP", 4) == 0)
@@ -134,7 +135,7 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
   s.info = png_create_info_struct(s.png);
   if (!s.info) throw Error("libpng cannot be started");
   if (!read_header(s)) throw Error(std::string("damaged PNG: ") + s.message);
-  // A byte of deflated data expands to at most 1032 bytes, each with at most 8 pixels.
+  // Bound of the pixels: a byte of deflated data expands to at most 1032 bytes, each with at most 8 pixels.
   check_size(s.width, s.height, s.channels, max_pixels, bytes.size(), 1032 * 8);
   point_rows(s, png_get_rowbytes(s.png, s.info));
   if (!read_rows(s)) throw Error(std::string("damaged PNG: ") + s.message);
@@ -144,7 +145,8 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
                              : make_image(s.width, s.height, s.channels, true,
                                           [&](std::size_t i) { return float(s.data[i]) / 255; });
   image.format = "PNG, " + std::to_string(s.bits) + " bits per channel";
-  // Of several statements the PNG specification prefers the profile, then sRGB, then primaries and exponent.
+  // Of several statements about colour the PNG specification prefers the profile, then sRGB, then primaries
+  // and exponent.
   if (s.profile_size > 0) {
     image.profile.assign(s.profile, s.profile + s.profile_size);
   } else if (*s.profile_problem) {

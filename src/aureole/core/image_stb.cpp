@@ -69,7 +69,7 @@ namespace {
 struct Feed {
   Bytes bytes;
   std::size_t position = 0;
-  const char* buffer = nullptr;  ///< stb_image's own buffer; only reads into it may be short
+  const char* buffer = nullptr;  ///< stb_image's own buffer; only reads into this buffer may be short
 
   static int read(void* user, char* to, int wanted) {
     auto& f = *static_cast<Feed*>(user);
@@ -109,10 +109,10 @@ Image read_tga_bmp(Bytes bytes, std::size_t max_pixels) {
   try {
     if (!stbi_info_from_callbacks(&kCallbacks, &probe, &width, &height, &channels)) throw Error(kUnknown);
   } catch (const Error&) {
-    // Too short even for a header.
+    // The file is too short even for a header.
     throw Error(kUnknown);
   }
-  // Run lengths are at most 128.
+  // Bound of the pixels: run lengths are at most 128.
   check_size(width, height, channels, max_pixels, bytes.size(), 128);
 
   const unsigned char* const raw =

@@ -38,7 +38,7 @@ toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
 int on_close(thandle_t) { return 0; }
 toff_t on_size(thandle_t handle) { return static_cast<Memory*>(handle)->bytes.size(); }
 
-/// A file that grows in memory.
+/// A file in memory that grows while libtiff writes it.
 struct Growing {
   std::vector<char> bytes;
   std::size_t position = 0;
@@ -66,7 +66,7 @@ toff_t on_seek_growing(thandle_t handle, toff_t offset, int whence) {
 }
 toff_t size_of_growing(thandle_t handle) { return static_cast<Growing*>(handle)->bytes.size(); }
 
-/// libtiff would print messages to stderr; errors of ours are sufficient.
+/// Silences libtiff, which would print messages to stderr; our own errors are sufficient.
 void silence() {
   static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
   (void)quiet;
@@ -222,14 +222,15 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
       l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB || logarithmic;
   const bool is_plain =
       known_bits && (whole || real || is_signed) && known_colour && l.samples >= 1 && l.samples <= 64;
-  // No compression in use exceeds a ratio of some thousands.
+  // Bound of the pixels: no compression in use exceeds a ratio of some thousands.
   check_size(l.width, l.height, is_plain ? std::min<int>(l.samples, 4) : 4, max_pixels, bytes.size(), 20000);
   Image image;
   if (is_plain) {
     image = reoriented(read_plain(tiff.get(), l, whole), orientation(tiff.get()));
     if (l.photometric == PHOTOMETRIC_LOGLUV && l.samples == 3)
       image.conversion = {{3.2404542f, -1.5371385f, -0.4985314f, -0.9692660f, 1.8760108f, 0.0415560f,
-                           0.0556434f, -0.2040259f, 1.0572252f},  // IEC 61966-2-1
+                           // matrix from XYZ to linear sRGB (IEC 61966-2-1)
+                           0.0556434f, -0.2040259f, 1.0572252f},
                           {"colours of the LogLuv TIFF are converted to sRGB"}};
     if (is_signed)
       image.notes.push_back("signed integers of the TIFF are read as fractions of the largest: " +
@@ -273,7 +274,7 @@ std::vector<char> encode_tiff(const Image& image, TiffPixel pixel) {
   Growing file;
   const bool is_real = pixel == TiffPixel::float32;
   const std::size_t bytes = pixel == TiffPixel::integer8 ? 1 : is_real ? 4 : 2;
-  // Offsets of the classic format end at 4 GB.
+  // Files near 4 GB use BigTIFF, since offsets of the classic format end there.
   const bool is_big = double(image.pixels.size()) * double(bytes) > 3.9e9;
   TIFF* const tiff = TIFFClientOpen("image", is_big ? "w8" : "w", &file, on_read_back, on_append,
                                     on_seek_growing, on_close, size_of_growing, nullptr, nullptr);

@@ -32,11 +32,11 @@ std::string opening_fault(int error) {
   return std::string("cannot be opened: ") + std::strerror(error);
 }
 
-/// Opens a regular file. Returns its descriptor, or -1 and why not.
+/// Opens a regular file. Returns its descriptor, or -1 and the reason.
 std::pair<int, std::string> open_regular(const std::filesystem::path& file, std::uint64_t& size) {
   const auto irregular = [](const struct stat& s) { return "not a regular file but " + kind_of(s.st_mode); };
   struct stat status;
-  // Asked before the file is opened, too: opening alone can make a device act.
+  // The status is checked before the file is opened as well, since opening alone can make a device act.
   if (::stat(file.c_str(), &status) != 0) return {-1, opening_fault(errno)};
   if (!S_ISREG(status.st_mode)) return {-1, irregular(status)};
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);

@@ -22,7 +22,7 @@ std::string irregular_kind(const std::filesystem::path& file);
 /// A regular file opened for reading. All errors are located at the file.
 class InputFile {
 public:
-  /// Throws Error if there is no regular file that can be opened. Never blocks.
+  /// Opens a file. Throws Error if there is no regular file that can be opened. Never blocks.
   explicit InputFile(std::filesystem::path file);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -38,8 +38,8 @@ public:
   /// Moves the position forwards. Throws Error if there are fewer bytes.
   void skip(std::uint64_t bytes);
 
-  /// Throws Error if the file has more than `max_bytes` bytes, or more than the available memory. To be called
-  /// before memory for its content is allocated.
+  /// Throws Error if the file has more than `max_bytes` bytes, or more than the available memory. Call it
+  /// before memory for the content is allocated.
   void require_at_most(std::uint64_t max_bytes) const;
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `MappedFile`: the bytes of a file of the user without a copy in memory.
+// `MappedFile`: the bytes of a user's file, mapped into memory without a copy.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace aureole {
 
-/// Bytes and what keeps them alive: a mapped file, or memory.
+/// Bytes together with their owner, which keeps them alive: a mapped file, or memory.
 struct SharedBytes {
   std::span<const std::byte> bytes;
   std::shared_ptr<const void> owner;
@@ -28,7 +28,7 @@ struct SharedBytes {
 /// another program shortens meanwhile ends this program (SIGBUS). Implemented in input_file.cpp, which opens files.
 class MappedFile {
 public:
-  /// Throws Error if there is no regular file that can be opened. Never blocks.
+  /// Maps a file. Throws Error if there is no regular file that can be opened. Never blocks.
   explicit MappedFile(const std::filesystem::path& file);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
@@ -44,8 +44,8 @@ private:
 /// Returns the bytes of a regular file, mapped. Throws Error as MappedFile does.
 SharedBytes map_file(const std::filesystem::path& file);
 
-/// Maps a file and returns `read(bytes)`. Errors that it throws without a file, and memory that is missing, are located at
-/// this one.
+/// Maps a file and returns `read(bytes)`. Errors that `read` throws without a file, and failed allocations,
+/// are located at this file.
 template <class Read>
 auto read_mapped(const std::filesystem::path& file, const Read& read) {
   const SharedBytes bytes = map_file(file);

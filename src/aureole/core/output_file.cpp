@@ -54,8 +54,8 @@ bool is_character_device(const fs::path& file) {
   return ::stat(file.c_str(), &status) == 0 && S_ISCHR(status.st_mode);
 }
 
-/// Follows symbolic links to the file that is to be written, which need not exist. Throws Error for what is no
-/// file.
+/// Follows symbolic links to the file that is to be written, which need not exist. Throws Error if the target
+/// is no file.
 fs::path target_of(const fs::path& file) {
   constexpr int kMaxLinks = 40;
   if (const std::string kind = irregular_kind(file); !kind.empty() && !is_character_device(file))
@@ -85,7 +85,7 @@ std::string part_beginning(const fs::path& folder, const std::string& name) {
   return name.substr(0, std::max(name_limit_of(folder), kEndingBytes + 1) - kEndingBytes);
 }
 
-/// Returns a new name beside a target: that of the target, ".part-", process id, number.
+/// Returns a new name beside a target: the target's name, ".part-", process id, number.
 fs::path part_path(const fs::path& folder, const std::string& name) {
   static std::atomic<unsigned> counter{0};
   return folder / (part_beginning(folder, name) + kPart + std::to_string(::getpid()) + "-" +
@@ -101,7 +101,8 @@ bool is_part(const std::string& candidate, const std::string& beginning) {
 
 /// Opens and locks a file or folder if nobody else has locked it; returns -1 otherwise.
 int lock_of(const fs::path& path) {
-  // NFS locks only what is open for writing; a folder cannot be.
+  // Flags without write access, as for folders, which cannot be opened for writing; NFS locks only files that
+  // are open for writing.
   constexpr int kFlags = O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW;
   int d = ::open(path.c_str(), O_RDWR | kFlags);
   if (d < 0) d = ::open(path.c_str(), O_RDONLY | kFlags);
@@ -110,8 +111,8 @@ int lock_of(const fs::path& path) {
   return -1;
 }
 
-/// Removes the temporary files or folders of programs that were killed while they wrote the same target. Those of
-/// running programs are locked.
+/// Removes the temporary files or folders of programs that were killed while they wrote the same target.
+/// Temporary files of running programs are locked and stay.
 void remove_leftovers(const fs::path& folder, const std::string& name) {
   const std::string beginning = part_beginning(folder, name);
   std::vector<fs::path> parts;
@@ -183,7 +184,8 @@ private:
   int descriptor_ = -1;
 };
 
-/// Names for a result that cannot have its own, in the order in which they are tried.
+/// Alternative paths for a result that cannot be written to its own path, in the order in which they are
+/// tried.
 std::vector<fs::path> refuges_of(const fs::path& file) {
   std::vector<fs::path> folders{"."};
   std::error_code code;
@@ -193,7 +195,7 @@ std::vector<fs::path> refuges_of(const fs::path& file) {
   for (const fs::path& folder : folders) {
     const fs::path whole = fs::absolute(folder, code);
     if (code || folder.empty() || !fs::is_directory(whole, code)) continue;
-    // The name of the file may be what cannot be written.
+    // The name is shortened, since its length may be the reason why the file cannot be written.
     const std::string stem = file.stem().string().substr(0, 100);
     for (int i = 0; i < 100; ++i) {
       fs::path name =
@@ -225,7 +227,7 @@ void require_writable(const fs::path& file) {
 void open_standard_streams() {
   for (const auto& [descriptor, mode] : {std::pair(0, O_RDONLY), {1, O_RDONLY}, {2, O_WRONLY}})
     if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) {
-      // The lowest number that is free, which is this one.
+      // /dev/null gets the lowest free number, which is the number of the closed stream.
       [[maybe_unused]] const int opened = ::open("/dev/null", mode);
     }
 }
@@ -237,17 +239,18 @@ OutputLock::OutputLock(const fs::path& file) {
   const std::string stem = target.stem().string();
   path_ = folder / ("." + stem.substr(0, name_limit_of(folder) - kEndingBytes) + ".aureole-lock");
   for (int attempt = 0; attempt < 1000; ++attempt) {
-    // NFS locks only what is open for writing.
+    // The file is opened for writing, since NFS locks only such files.
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0666);
-    if (descriptor_ < 0) return;  // `require_writable` says what is wrong with the folder
+    if (descriptor_ < 0) return;  // no lock; `require_writable` reports what is wrong with the folder
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const bool is_held = errno == EWOULDBLOCK;
       ::close(std::exchange(descriptor_, -1));
       if (is_held) fail(file, "is being written by another program, which holds " + path_.string());
-      return;  // the file system has no locks
+      return;  // no lock, since the file system has none
     }
     if (has_name(descriptor_, path_)) return;
-    ::close(std::exchange(descriptor_, -1));  // its last holder has removed it meanwhile
+    ::close(
+        std::exchange(descriptor_, -1));  // the previous holder of the lock has removed the file meanwhile
   }
 }
 

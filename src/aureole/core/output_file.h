@@ -37,10 +37,10 @@ private:
   int descriptor_ = -1;
 };
 
-/// Where the result of a long work was written.
+/// The path to which the result of a long computation was written.
 struct WrittenFile {
   std::filesystem::path file;
-  std::string problem;  ///< why it is not the file that was asked for, or empty
+  std::string problem;  ///< the reason why it is not the requested file, or empty
 };
 
 /// Calls `write(file)`. If that throws Error, as where a folder has vanished or a disc is full, calls `write` with

@@ -70,7 +70,7 @@ void run_together(const std::function<void()>& here, const std::function<void()>
   try {
     here();
   } catch (...) {
-    tasks.cancel();  // does not begin any more
+    tasks.cancel();  // tasks that have not begun are cancelled
     tasks.wait();
     throw;
   }
@@ -88,11 +88,12 @@ void limit_library_threads() {
 
 void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain) {
   if (n > grain) return share_ranges(n, body, grain, default_thread_count(), run_workers);
-  if (n > 0) body(0, n);  // a small mesh, of which a scene may have many: no threads
+  if (n > 0)
+    body(0, n);  // no threads for a small range, such as a small mesh, of which a scene may have many
 }
 
 void for_rows(int width, int height, const std::function<void(std::size_t, std::size_t)>& body) {
-  constexpr int kPixels = 1 << 16;  // of one range
+  constexpr int kPixels = 1 << 16;  // pixels of one range
   for_ranges(std::size_t(height), body, std::size_t(std::max(1, kPixels / std::max(1, width))));
 }
 

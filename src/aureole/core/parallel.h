@@ -15,11 +15,12 @@ namespace aureole {
 /// all work alone. The first exception is rethrown.
 void run_workers(int threads, const std::function<void(int)>& worker);
 
-/// Calls `here` on this thread, and `elsewhere` meanwhile on a thread that has nothing to do, or after it. Returns when
-/// both have returned. An exception of `here` is rethrown, else one of `elsewhere`.
+/// Calls `here` on this thread, and `elsewhere` meanwhile on an idle thread or, if there is none, after it.
+/// Returns when both have returned. An exception of `here` is rethrown, else one of `elsewhere`.
 void run_together(const std::function<void()>& here, const std::function<void()>& elsewhere);
 
-/// Limits the threads of oneTBB to those that can be made. To be called before a library that uses oneTBB starts.
+/// Limits the threads of oneTBB to the number that can be made. Call it before a library that uses oneTBB
+/// starts.
 void limit_library_threads();
 
 /// The `ParallelFor` of the renderer, on all cores: calls `body(begin, end)` for ranges of at most `grain`

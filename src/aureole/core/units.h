@@ -7,7 +7,7 @@
 
 namespace aureole {
 
-/// Returns a number for a message, with so many digits that 1.0000001 differs from 1.
+/// Returns a number for a message, with enough digits that 1.0000001 differs from 1.
 std::string shown_number(double value);
 std::string shown_number(float value);
 

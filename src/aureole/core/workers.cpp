@@ -23,14 +23,15 @@ int default_thread_count() { return std::max(1, int(std::thread::hardware_concur
 
 namespace {
 
-/// Half of the address space that is left where it is limited (`ulimit -v`), kept from threads.
+/// Reserves half of the remaining address space where that is limited (`ulimit -v`), so that threads leave it
+/// to other allocations.
 class ReservedSpace {
 public:
   ReservedSpace() {
     rlimit limit;
     std::size_t used_pages = 0;
     if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-    // Each thread that allocates would reserve 64 MiB for itself.
+    // Limits the arenas of malloc, since each thread that allocates would reserve 64 MiB for itself.
     mallopt(M_ARENA_MAX, 2);
     if (std::FILE* statm = std::fopen("/proc/self/statm", "re")) {
       if (std::fscanf(statm, "%zu", &used_pages) != 1) used_pages = 0;
@@ -85,7 +86,7 @@ int available_threads(int wanted) {
   const std::lock_guard lock(mutex);
   if (wanted <= possible) return std::max(wanted, 1);
   if (wanted < impossible) {
-    const int started = 1 + started_together(wanted - 1);  // the calling thread is one of them
+    const int started = 1 + started_together(wanted - 1);  // the calling thread counts as one
     if (started >= wanted) return possible = wanted;
     impossible = wanted;
     possible = std::max(possible, started);

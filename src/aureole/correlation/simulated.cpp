@@ -20,7 +20,7 @@ public:
     ensemble_.seed = std::uint64_t(properties.get_int("seed", 0, Range::non_negative()));
     ensemble_.discs = int(properties.get_int("discs", ensemble_.discs, {64, 20000}));
     ensemble_.snapshots = int(properties.get_int("snapshots", ensemble_.snapshots, {64, 1000000}));
-    constexpr double kMaxDiscs = 1e8;  // takes minutes
+    constexpr double kMaxDiscs = 1e8;  // upper bound of the number of discs, whose simulation takes minutes
     if (double(ensemble_.discs) * ensemble_.snapshots > kMaxDiscs)
       throw properties.error("snapshots", "discs times snapshots must not exceed 1e8");
   }
@@ -28,7 +28,7 @@ public:
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     if (area_fraction <= optics::HardDiscSimulation::kMaxAreaFraction + optics::kFractionTolerance)
       area_fraction = std::min(area_fraction, optics::HardDiscSimulation::kMaxAreaFraction);
-    const std::lock_guard lock(mutex_);  // threads that need this fraction wait for it
+    const std::lock_guard lock(mutex_);  // threads that need the result for this fraction wait for it
     auto& known = known_[area_fraction];
     if (!known)
       known = std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble_, for_ranges);

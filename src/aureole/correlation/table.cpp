@@ -29,7 +29,8 @@ public:
           y_.push_back(y);
         }
         if (pairs)
-          optics::TabulatedStructureFactor::from_pair_correlation(x_, y_, 0.1);  // throws for a bad table
+          // throws an Error if the table is invalid
+          optics::TabulatedStructureFactor::from_pair_correlation(x_, y_, 0.1);
         else
           factor_ = std::make_shared<optics::TabulatedStructureFactor>(x_, y_);
       } else {
@@ -66,7 +67,7 @@ private:
   }
 
   std::vector<double> x_, y_;
-  std::shared_ptr<const optics::StructureFactor> factor_;  ///< null for a pair correlation
+  std::shared_ptr<const optics::StructureFactor> factor_;  ///< tabulated S'; null for a pair correlation
 };
 
 AUREOLE_PLUGIN(

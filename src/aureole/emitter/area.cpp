@@ -87,7 +87,7 @@ public:
   }
 
 private:
-  /// Fills everything but the radiance. Returns false if the surface faces away or `wo` points behind
+  /// Sets all members except the radiance. Returns false if the surface faces away or `wo` points behind
   /// `facing`.
   static bool set_position(const PositionSample& s, const Vec3& reference, const Vec3& facing,
                            std::optional<DirectSample>& result) {

@@ -21,7 +21,8 @@ public:
     up_ = up * (1 / l);
     const Emission emission(p, "radiance");
     if (!emission.texture()->is_constant()) throw p.error("radiance", "expected a spectrum, not a texture");
-    // The horizontal irradiance over the zenith's radiance: 7 pi/9 and pi.
+    // Scales by the horizontal irradiance over the zenith's radiance: 7 pi/9 for the overcast sky and pi for
+    // the uniform one.
     radiance_ = emission.scaled({.irradiance = 1 / (M_PI * (is_overcast_ ? 7.0 / 9 : 1)), .radiance = 1});
   }
 
@@ -36,8 +37,9 @@ public:
     return sample_hemisphere_of(Frame::from_normal(up_), square_to_uniform_hemisphere(u),
                                 uniform_hemisphere_pdf(), w);
   }
-  /// Samples the cosine over the part of the sky that the receiver sees. Its projection onto the receiver's plane is bounded
-  /// by half of a circle and half of an ellipse, an affine image of the disc in every line along the horizon's normal.
+  /// Samples by the cosine the part of the sky above the receiver's horizon. Its projection onto the
+  /// receiver's plane is bounded by half of a circle and half of an ellipse, an affine image of the disc in
+  /// every line along the horizon's normal.
   std::optional<DirectSample> sample_direct_facing(const Light& light, const Vec3& reference,
                                                    const Vec3& facing, std::size_t part, Vec2 u,
                                                    const Wavelengths& w) const override {
@@ -73,20 +75,20 @@ public:
 
   SampledSpectrum power_spectrum(const Light& light) const override {
     SampledSpectrum s = radiance_->average();
-    // The integral of the relative radiance over the upper hemisphere: 4 pi/3 and 2 pi.
+    // Power, by the integral of the relative radiance over the upper hemisphere: 4 pi/3 and 2 pi.
     s.scale(kPi * light.scene_radius * light.scene_radius * kPi * (is_overcast_ ? 4.f / 3 : 2.f));
     return s;
   }
   EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 
 private:
-  /// Radiance over that of the zenith: (1 + 2 sin(elevation))/3, or 1.
+  /// Radiance in a direction over the zenith's: (1 + 2 sin(elevation))/3, or 1.
   float relative(const Vec3& d) const {
     const float sine = dot(d, up_);
     if (!(sine > 0)) return 0;
     return is_overcast_ ? (1 + 2 * sine) * (1 / 3.f) : 1;
   }
-  /// The part of a receiver's hemisphere, weighted by the cosine, in which the sky is.
+  /// Fraction of a receiver's hemisphere, weighted by the cosine, that the sky fills.
   float seen_share(const Vec3& facing) const { return 0.5f * (1 + dot(facing, up_)); }
   std::optional<DirectSample> sample_hemisphere_of(const Frame& frame, const Vec3& local, float pdf,
                                                    const Wavelengths& w) const {
@@ -101,7 +103,7 @@ private:
   static constexpr float kLeastShare = 1e-6f;
   bool is_overcast_;
   Vec3 up_;
-  TexturePtr radiance_;  ///< of the zenith
+  TexturePtr radiance_;  ///< radiance of the zenith
 };
 
 AUREOLE_PLUGIN(

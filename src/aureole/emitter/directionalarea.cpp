@@ -69,8 +69,7 @@ public:
 
   EmissionBounds emission_bounds(const Light& light, std::size_t part) const override {
     const auto [axis, cosine] = light.area->patch_normals(part);
-    // The cone of emission has zero solid angle; `focus` 0 keeps light selection from choosing it for a
-    // point.
+    // The cone of emission has zero solid angle; with `focus` 0 light sampling never chooses it.
     return {light.area->patch_bounds(part), axis, cosine, 1, patch_fraction(light, part), 0};
   }
 

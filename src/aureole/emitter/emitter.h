@@ -18,27 +18,27 @@ struct Light;
 
 /// A direction towards an emitter, sampled by `Emitter::sample_direct`.
 struct DirectSample {
-  Vec3 wo;            ///< unit direction from the reference point towards the emitter
-  Vec3 p;             ///< the other endpoint of the segment; for an emitter at infinity a point beyond the
-                      ///< scene
-  Vec3 p_error;       ///< zero for points that lie on no surface
-  Vec3 ng;            ///< zero for points that lie on no surface
-  Spectrum radiance;  ///< arriving along -wo; for a delta emitter the factor of the delta function
-                      ///< (irradiance)
-  float pdf = 0;      ///< pdf [1/sr], or 1 (a probability mass) if `delta`
+  Vec3 wo;       ///< unit direction from the reference point towards the emitter
+  Vec3 p;        ///< the other endpoint of the segment; for an emitter at infinity a point beyond the
+                 ///< scene
+  Vec3 p_error;  ///< rounding error bound of p; zero for points that lie on no surface
+  Vec3 ng;       ///< geometric normal; zero for points that lie on no surface
+  /// radiance arriving along -wo; for a delta emitter the factor of the delta function (irradiance)
+  Spectrum radiance;
+  float pdf = 0;  ///< pdf [1/sr], or 1 (a probability mass) if `delta`
   bool delta = false;
   bool infinite = false;
 };
 
 /// A ray of light that leaves an emitter, sampled by `Emitter::sample_ray`.
 struct EmittedRay {
-  Vec3 p;        ///< its origin; for an emitter at infinity a point outside the scene
-  Vec3 p_error;  ///< zero for points that lie on no surface
-  Vec3 ng;       ///< zero for points that lie on no surface
+  Vec3 p;        ///< origin of the ray; for an emitter at infinity a point outside the scene
+  Vec3 p_error;  ///< rounding error bound of p; zero for points that lie on no surface
+  Vec3 ng;       ///< geometric normal; zero for points that lie on no surface
   Vec3 d;        ///< unit direction of travel
-  /// From a surface: radiance times |cos|, or the exitance if the direction is a delta. From a point: the
-  /// intensity. From infinity: the radiance, or, if the direction is a delta, the irradiance on a plane
-  /// perpendicular to it.
+  /// Emission along the ray. From a surface: radiance times |cos|, or the exitance if the direction is a
+  /// delta. From a point: the intensity. From infinity: the radiance, or, if the direction is a delta, the
+  /// irradiance on a plane perpendicular to it.
   Spectrum value;
   float pdf_position = 0;   ///< pdf [1/m^2], or a probability mass if `delta_position`
   float pdf_direction = 0;  ///< pdf [1/sr], or a probability mass if `delta_direction`
@@ -75,13 +75,16 @@ public:
   /// The medium around the emitter, if the scene states one; null: it follows from the surfaces around it.
   const Medium* medium() const { return medium_.get(); }
 
-  /// Whether it emits from the surface of its parent shape. Other emitters cannot be children of shapes.
+  /// Whether the emitter emits from the surface of its parent shape. Other emitters cannot be children of
+  /// shapes.
   bool sits_on_shape() const;
-  /// For an emitter on a shape whose emission depends on the shape, such as one of a given flux: a copy for that shape,
-  /// of which `light` has the data. Null: the emitter itself holds for every shape. Throws Error.
+  /// For an emitter on a shape whose emission depends on the shape, such as one of a given flux: returns a
+  /// copy for that shape, whose data are in `light`. Null: the emitter itself holds for every shape. Throws
+  /// Error.
   virtual std::shared_ptr<const Emitter> fitted_to(const Light& /*light*/) const { return nullptr; }
   virtual bool is_infinite() const { return false; }
-  /// Whether it emits from a single point or into a single direction, so that no ray can hit it by chance.
+  /// Whether the emitter emits from a single point or into a single direction, so that no ray can hit it by
+  /// chance.
   virtual bool is_delta() const { return false; }
   virtual std::size_t part_count(const Light&) const { return 1; }
   virtual std::size_t part_of(const Light&, const SurfacePoint&) const { return 0; }
@@ -116,8 +119,8 @@ public:
                                                Vec2 direction, const Wavelengths& wavelengths) const = 0;
 
   /// The pdfs with which sample_ray of a part samples a ray of direction `d` from `point` of that part, of
-  /// which only `p` and `ng` are needed. `point` is null for an emitter that is not on a shape. For a delta
-  /// direction, d is taken to be that direction and the result is its mass.
+  /// which only `p` and `ng` are needed. `point` is null for an emitter that is not on a shape. If the
+  /// direction is a delta, d is assumed to be that direction and the result is its mass.
   virtual RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
                              const Vec3& d) const = 0;
 
@@ -126,7 +129,7 @@ public:
   virtual EmissionBounds emission_bounds(const Light& light, std::size_t part) const = 0;
 
 protected:
-  /// For `fitted_to`.
+  /// Copies an emitter, for `fitted_to`.
   Emitter(const Emitter& other)
       : Object(other.properties()), sampling_weight_(other.sampling_weight_), medium_(other.medium_) {}
 

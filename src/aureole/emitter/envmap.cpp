@@ -88,7 +88,7 @@ private:
     const float sine = cos_sin_2pi(0.5f * uv.y).y;
     if (!(pdf > 0) || !(sine > 0)) return {};
     const Vec3 wo = frame_.to_world(lat_long_direction(uv));
-    // Happens in blocks of the map that the receiver's horizon crosses.
+    // Sampled directions below the receiver's horizon occur in blocks of the map that the horizon crosses.
     if (dot(wo, facing) < 0) return {};
     DirectSample s;
     s.wo = wo;
@@ -192,7 +192,7 @@ private:
   }
 
   Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {
-    // NaN becomes 0.
+    // A NaN coordinate becomes 0.
     const float x = (uv.x > 0 ? uv.x : 0) * float(width_) - 0.5f,
                 y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
     const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
@@ -216,8 +216,9 @@ private:
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<UpsampledColor> texels_;
-  LatLongDistribution distribution_, everything_;  ///< the second one is only used if the first is
-                                                   ///< compensated
+  /// distribution of light sampling, and the uncompensated one of emitted rays, which is only used if the
+  /// first is compensated
+  LatLongDistribution distribution_, everything_;
   SampledSpectrum d65_;
 };
 

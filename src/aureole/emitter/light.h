@@ -15,14 +15,14 @@ class Shape;
 /// pass these data to the emitter. The scene owns everything pointed to.
 struct Light {
   const Emitter* emitter = nullptr;
-  // Set for an emitter on a shape; otherwise null and zero.
+  // Shape and area of an emitter on a shape; otherwise null and zero.
   const Shape* shape = nullptr;
   const AreaSampler* area = nullptr;
   double surface_area = 0;
   /// The scene's bounding sphere.
   Vec3 scene_center;
   float scene_radius = 1;
-  std::uint32_t index = 0;  ///< among the scene's lights
+  std::uint32_t index = 0;  ///< index among the scene's lights
 
   float sampling_weight() const { return emitter->sampling_weight(); }
   bool is_infinite() const { return emitter->is_infinite(); }

@@ -12,14 +12,16 @@
 namespace aureole {
 namespace {
 
-/// Maps two random numbers to a point of the opening, evenly over its area if it is flat and over its volume if not.
+/// Maps two random numbers to a point of the opening, uniformly over its area if it is flat, else over its
+/// volume.
 class OpeningPoints {
 public:
   OpeningPoints(const LuminousOpening& opening, double length_unit_m)
       : shape_(opening.shape), axis_(opening.axis) {
     for (std::size_t i = 0; i < 3; ++i) half_[i] = float(0.5 * opening.size_m[i] / length_unit_m);
     is_point_ = opening.is_point();
-    // A cylinder's section is across its axis; of a box, the two larger sides come first.
+    // The axis of the section: for a cylinder its own axis; for a box the axis of its shortest side, so that
+    // the two larger sides come first.
     if (shape_ == LuminousOpening::Shape::box) axis_ = int(std::min_element(half_, half_ + 3) - half_);
   }
   bool is_point() const { return is_point_; }
@@ -116,7 +118,7 @@ public:
     const Vec3 half = opening_.half_size(), o = placement_.origin;
     const Vec3 reach =
         abs(placement_.axes.s) * half.x + abs(placement_.axes.t) * half.y + abs(placement_.axes.n) * half.z;
-    // As `spot`: the cone exceeds the largest angle by the rounding error of the light tree's arithmetic.
+    // Cone of the bounds: it exceeds the largest angle by the rounding error of the light tree's arithmetic.
     const double edge = std::min(M_PI, light_.luminaire.distribution.widest_angle() + 2e-3);
     const bool wide = edge >= M_PI / 2;
     return {{o - reach, o + reach},

@@ -12,12 +12,13 @@
 namespace aureole {
 namespace {
 
-/// The area of a convex surface as seen from a direction: the sum of the cosines of its elements that face it.
+/// The projected area of a convex surface along a direction: the sum of the cosines of its elements that face
+/// it.
 class ProjectedArea {
 public:
   ProjectedArea() = default;
   explicit ProjectedArea(const AreaSampler& sampler) {
-    constexpr int kSide = 32;  // points along each side of the unit square, for a curved patch
+    constexpr int kSide = 32;  // points along each side of the unit square that represent a curved patch
     for (std::size_t patch = 0; patch < sampler.patch_count(); ++patch) {
       const float area = sampler.patch_area(patch);
       if (!(area > 0)) continue;
@@ -46,7 +47,7 @@ private:
     Vec3 normal;
     float area;
   };
-  /// Elements of equal normals are kept as one.
+  /// Adds an element; elements of equal normals are kept as one.
   void add(const Vec3& normal, float area) {
     for (Element& e : elements_)
       if (dot(e.normal, normal) > 1 - 1e-6f) {
@@ -100,7 +101,8 @@ public:
 
   std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position, Vec2 direction,
                                        const Wavelengths& wavelengths) const override {
-    // By the cosine, as `area`: most directions of the whole distribution would leave through a curved shape.
+    // Directions are sampled by the cosine, as in `area`: most directions of the file's whole distribution
+    // would leave through a curved shape.
     return sample_cosine_ray(light, part, position, direction, [&](const auto&, const Vec3& d) {
       return light_->per_candela->eval({}, wavelengths) * luminance(d);
     });
@@ -133,13 +135,13 @@ public:
   }
 
 private:
-  /// Intensity over the area that is seen from the direction [cd per square of the scene's unit].
+  /// Intensity over the projected area in the direction [cd per square of the scene's unit].
   float luminance(const Vec3& d) const {
     const float area = (*projected_)(d);
     return area > 0 ? float(light_->candela(axes_.to_local(d))) / area : 0;
   }
 
-  /// Notes light of the file that the shape cannot emit, because none of it faces that way.
+  /// Notes light of the file that the shape cannot emit, because no part of the shape faces its direction.
   void check_directions() const {
     const optics::IntensityDistribution& d = light_->luminaire.distribution;
     constexpr int kSteps = 90;

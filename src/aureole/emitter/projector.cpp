@@ -140,8 +140,8 @@ private:
 
   Placement placement_;
   TexturePtr irradiance_;
-  float scale_, half_width_, half_height_;  ///< half the picture's width and height at z = 1
-  double area_;                             ///< of the picture at z = 1
+  float scale_, half_width_, half_height_;  ///< scale, and half the picture's width and height at z = 1
+  double area_;                             ///< area of the picture at z = 1
   Piecewise2D distribution_;
 };
 

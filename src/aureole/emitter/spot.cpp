@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-/// 1 - cos(angle) without the cancellation at small angles.
+/// Returns 1 - cos(angle) without cancellation at small angles.
 double one_minus_cosine(double angle) {
   const double s = std::sin(0.5 * angle);
   return 2 * s * s;
@@ -39,12 +39,13 @@ public:
     cutoff_ = cutoff_degrees * M_PI / 180, beam_ = beam_degrees * M_PI / 180;
     cutoff_one_minus_cosine_ = float(one_minus_cosine(cutoff_));
     beam_one_minus_cosine_ = float(one_minus_cosine(beam_));
-    // A cone too narrow for float precision would divide by zero.
+    // Rejects a cone too narrow for float precision, which would cause a division by zero.
     if (!(cutoff_one_minus_cosine_ > 1e-14f)) throw p.error("cutoff_angle", "is too narrow");
     inverse_transition_ = cutoff_ > beam_ ? float(1 / (cutoff_ - beam_)) : 0;
     inverse_tangent_ = float(1 / std::tan(cutoff_));
     if (!emission.amount()) return;
-    // With a picture, the flux is that of the light that passes it, and the intensity that of its white.
+    // With a picture, the flux is the flux after the picture, and the intensity belongs to the picture's
+    // white.
     const double per_unit = per_square_unit(p);
     const bool is_flux = emission.amount()->quantity == EmissionAmount::Quantity::flux;
     const SampledSpectrum average =
@@ -172,8 +173,8 @@ private:
   }
 
   Placement placement_;
-  TexturePtr intensity_, texture_;  ///< texture_ may be null
-  double cutoff_, beam_;            ///< [rad]
+  TexturePtr intensity_, texture_;  ///< intensity, and the picture, which may be null
+  double cutoff_, beam_;            ///< angles of the cutoff and of the beam [rad]
   float cutoff_one_minus_cosine_, beam_one_minus_cosine_, inverse_transition_, inverse_tangent_;
 };
 

@@ -21,7 +21,7 @@ using optics::SkyModel;
 std::array<double, SkyModel::kChannels> albedo(const Properties& p) {
   const TexturePtr texture = get_texture(p, "albedo", 0.3, SpectrumRole::reflectance);
   if (!texture->is_constant()) throw p.error("albedo", "expected a spectrum, not a texture");
-  // Outside the sensor's range, where spectra are unknown, the value at its limit is used.
+  // Outside the sensor's range, where spectra are unknown, the value at the range's limit is used.
   const SpectralGrid& grid = p.context().grid;
   std::array<double, SkyModel::kChannels> result;
   for (std::size_t c = 0; c < result.size(); ++c) {
@@ -102,7 +102,7 @@ public:
     bool in_disc = true;
     if (u.x < sky_share_) {
       u.x = std::min(u.x / sky_share_, kOneMinusEpsilon);
-      float ignored;  // `density` includes the sun's
+      float ignored;  // value that is not used: `density` includes the sun's pdf
       const Vec2 uv = distribution_.sample(u, &ignored);
       const Vec2 around = cos_sin_2pi(uv.x);
       const float sine = std::sqrt((1 - uv.y) * (1 + uv.y));
@@ -115,7 +115,7 @@ public:
     }
     DirectSample s;
     s.wo = normalize(axes_.to_world(local));
-    // `in_disc` is kept: a second test whether the direction is in the disc could differ by rounding.
+    // `in_disc` is passed on: a second test whether the direction is in the disc could differ by rounding.
     s.radiance = radiance(local, in_disc, w);
     s.pdf = density(local, in_disc);
     s.infinite = true;
@@ -254,7 +254,7 @@ private:
             const double z = (y + 0.5 * j) / kRows, phi = 2 * M_PI * (x + 0.5 * i) / kColumns,
                          r = std::sqrt(1 - z * z);
             const Channels l = sky({float(r * std::cos(phi)), float(r * std::sin(phi)), float(z)});
-            // Simpson's rule.
+            // Weights of Simpson's rule.
             const double part = (i == 1 ? 4 : 1) * (j == 1 ? 4 : 1) / 36.0;
             for (std::size_t c = 0; c < share.size(); ++c) {
               weight += part * share[c] * double(l.v[c]);
@@ -278,10 +278,11 @@ private:
   }
 
   Frame axes_;
-  Vec3 sun_;  ///< direction, local
+  Vec3 sun_;  ///< direction to the sun in local coordinates
   SkyModel model_;
   ChannelTable horizon_,
-      glow_;  ///< over the square roots of cosine and of angle to the sun: fine near horizon and sun
+      /// table over the square roots of the cosine and of the angle to the sun: fine near horizon and sun
+      glow_;
   Channels zenith_gain_;
   float sky_scale_, sun_scale_;
   bool complex_sun_;
@@ -289,10 +290,10 @@ private:
   Frame sun_frame_;
   float sun_one_minus_cosine_, half_, lowest_, inverse_sine2_;
   Channels sun_mean_;
-  std::unique_ptr<ChannelTable> disc_,
-      limb_;  ///< over elevation and over the cosine at the sun, for complex_sun
+  /// table over elevation and over the cosine at the sun, for complex_sun
+  std::unique_ptr<ChannelTable> disc_, limb_;
 
-  Integral sky_integral_{}, sun_integral_{};  ///< of the radiance over all directions
+  Integral sky_integral_{}, sun_integral_{};  ///< integrals of the radiance over all directions
   Piecewise2D distribution_;
   float sky_share_;
 };

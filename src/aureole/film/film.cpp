@@ -16,7 +16,7 @@ void Film::read_common(const Properties& p) {
   sample_border_ = p.get_bool("sample_border", false);
   if (p.find("compensate")) p.note("compensate", "sums are exact here: \"compensate\" has no effect");
   p.find("banner");
-  // The scene reader has already set the grid from these two.
+  // Marks both parameters as read, since the scene reader has already set the grid from them.
   p.find("wavelength_min");
   p.find("wavelength_max");
   const auto filters = p.get_children<Filter>("rfilter");

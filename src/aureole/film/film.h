@@ -13,8 +13,8 @@
 
 namespace aureole {
 
-/// The geometry of what a sensor measures: radiance along rays, irradiance at points (also that of receivers with
-/// another response to directions), or intensity in directions.
+/// The geometry of the quantity that a sensor measures: radiance along rays, irradiance at points (also of
+/// receivers with another response to directions), or intensity in directions.
 enum class MeasuredKind { radiance, irradiance, intensity };
 
 class Film : public Object {
@@ -27,9 +27,9 @@ public:
   void set_measured(MeasuredKind kind, std::string name = "");
   MeasuredKind measured_kind() const { return measured_kind_; }
 
-  int width() const { return width_; }  ///< of the whole film, pixels
+  int width() const { return width_; }  ///< size of the whole film [pixels]
   int height() const { return height_; }
-  int crop_x() const { return crop_x_; }  ///< the rendered region
+  int crop_x() const { return crop_x_; }  ///< position and size of the rendered region [pixels]
   int crop_y() const { return crop_y_; }
   int crop_width() const { return crop_width_; }
   int crop_height() const { return crop_height_; }
@@ -55,10 +55,11 @@ public:
   /// Computes linear sRGB for a preview.
   virtual void develop_rgb(const double* measured, float rgb[3]) const = 0;
   virtual ExrPixel pixel_type() const = 0;
-  /// The file extension if the user names no file.
+  /// Returns the file extension that is used if the user names no file.
   virtual std::string file_extension() const { return ".exr"; }
 
-  /// Multiplies the responses of all channels by `factor`, the srf of a sensor.
+  /// Multiplies the responses of all channels by `factor`, the spectral response (parameter `srf`) of a
+  /// sensor.
   virtual void multiply_response(const SampledSpectrum& factor) = 0;
   /// Replaces the filter by a box, for a sensor whose pixels are measurements. `reason` is the note if the
   /// scene states another filter.
@@ -69,11 +70,11 @@ public:
 protected:
   /// Throws Error if the film cannot hold a quantity of this kind.
   virtual void check_kind(MeasuredKind) const {}
-  /// The word of `set_measured` with a blank behind it, or nothing.
+  /// Returns the name of `set_measured` followed by a blank, or nothing.
   const std::string& measured_name() const { return measured_name_; }
   /// Reads size, crop, border, filter and `compensate`.
   void read_common(const Properties& properties);
-  /// Reads `component_format`.
+  /// Reads the parameter `component_format`.
   static ExrPixel read_component_format(const Properties& properties);
 
 private:
@@ -86,7 +87,7 @@ private:
   std::string measured_name_;
 };
 
-/// The radiometric name of a kind, "irradiance", and its unit, "W/m^2".
+/// Returns the radiometric name of a kind, such as "irradiance", and its unit, such as "W/m^2".
 const char* radiometric_name(MeasuredKind kind);
 const char* radiometric_unit(MeasuredKind kind);
 

@@ -35,7 +35,7 @@ constexpr FilmQuantity kQuantities[] = {
     {"scotopic_illuminance", "scotopic illuminance", "lx", MeasuredKind::irradiance, scotopic_efficacy},
     {"scotopic_intensity", "scotopic luminous intensity", "cd", MeasuredKind::intensity, scotopic_efficacy}};
 
-/// Units beside the SI's own, with their size in that.
+/// A unit beside the SI's own, with its size in the SI unit.
 struct FilmUnit {
   const char *name, *of;
   double size;
@@ -59,7 +59,8 @@ public:
     const std::string quantity = p.get_choice("quantity", "relative", quantity_names());
     for (const FilmQuantity& q : kQuantities)
       if (quantity == q.name) quantity_ = &q;
-    // Absolute values exceed the range of 16 bits: 65504 cd/m^2 is less than a lamp has.
+    // Absolute values default to float32, since they exceed the range of 16 bits: 65504 cd/m^2 is less than
+    // the luminance of a lamp.
     if (quantity_ && !p.has("component_format")) pixel_ = ExrPixel::float32;
     read_unit(p);
     std::string format = p.get_choice("pixel_format", quantity_ ? "luminance" : "rgb",
@@ -207,7 +208,7 @@ private:
     if (quantity_->weight == photopic_efficacy && !covers_photopic_vision(grid))
       throw p.error("quantity", "the film's wavelengths do not cover the visible, from 380 to 780 nm");
     if (has_colours) {
-      // The tristimulus values with Y in the unit of the quantity.
+      // Sets the tristimulus values, with Y in the unit of the quantity.
       const auto observer = observer_xyz(grid);
       response_.assign(observer.begin(), observer.end());
       for (SampledSpectrum& r : response_) r.scale(float(kPhotopicEfficacy * cie_y_integral() / unit_size_));
@@ -233,9 +234,10 @@ private:
 
   enum class Kind { rgb, xyz, luminance } kind_;
   bool alpha_ = false, uniform_ = false;
-  const FilmQuantity* quantity_ = nullptr;  ///< null: relative
+  const FilmQuantity* quantity_ = nullptr;  ///< measured quantity; null: relative values
   std::string unit_;
-  double unit_size_ = 1, white_ = 1;  ///< the unit in the SI's; the value that the preview shows as white
+  /// size of the unit in the SI unit; the value that the preview shows as white
+  double unit_size_ = 1, white_ = 1;
   ExrPixel pixel_;
   std::string extension_ = ".exr";
   std::vector<SampledSpectrum> response_;  ///< responses of X, Y, Z, or of the band [1/nm]

@@ -19,7 +19,7 @@ double inner_product(const SampledSpectrum& a, const SampledSpectrum& b) { retur
 
 /// Solves A x = b for each b; A is symmetric and positive definite, row by row.
 void solve(std::vector<double> a, size_t n, Rows& b) {
-  for (size_t k = 0; k < n; ++k)  // Cholesky: A = L L^T
+  for (size_t k = 0; k < n; ++k)  // Cholesky's factorisation A = L L^T
     for (size_t i = k; i < n; ++i) {
       double s = a[i * n + k];
       for (size_t j = 0; j < k; ++j) s -= a[i * n + j] * a[k * n + j];
@@ -94,7 +94,7 @@ public:
     make_preview_of_bins();
   }
 
-  /// The range in which the responses, or else the bins, are defined.
+  /// Returns the range in which the responses, or else the bins, are defined.
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     WavelengthRange all;
     for (const Properties::Entry& e : p.entries()) {
@@ -179,7 +179,7 @@ public:
   ExrPixel pixel_type() const override { return pixel_; }
 
 private:
-  /// The unit of a quantity for each nm of wavelength.
+  /// Returns the unit of a quantity per nm of wavelength.
   std::string per_nm() const {
     switch (measured_kind()) {
       case MeasuredKind::radiance:
@@ -266,7 +266,7 @@ private:
     for (size_t c = 0; c < 3; ++c) {
       xyz_[c].resize(size_t(bins_.count()));
       const auto nodes = observer[c].nodes();
-      // Intervals so small that nearly all of them lie in one bin.
+      // The range is divided into intervals so small that nearly all of them lie in one bin.
       const int per_cell = std::max(8, int(16.0 * bins_.count() / grid.cells));
       for (int cell = 0; cell < grid.cells; ++cell)
         for (int k = 0; k < per_cell; ++k) {
@@ -285,7 +285,7 @@ private:
   ExrPixel pixel_;
   bool has_bins_ = false, preview_ = true;
   SpectralBins bins_;
-  std::vector<float> per_width_;  ///< 1 / width of each bin [1/nm]
+  std::vector<float> per_width_;  ///< inverse width 1 / width of each bin [1/nm]
   std::vector<Band> bands_;
   bool is_visible_ = false;
   Rows xyz_;  ///< maps measured values to the preview's X, Y, Z, or grey if no channel is visible

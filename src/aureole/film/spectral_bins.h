@@ -16,7 +16,8 @@ namespace aureole {
 class SpectralBins {
 public:
   SpectralBins() = default;
-  /// Increasing edges [nm], at least two. Throws Error where a bin is too narrow for a float wavelength.
+  /// Makes bins between increasing edges [nm], at least two. Throws Error where a bin is too narrow for a
+  /// float wavelength.
   explicit SpectralBins(std::vector<double> edges) : edges_(std::move(edges)) {
     for (std::size_t i = 0; i + 1 < edges_.size(); ++i)
       if (!(edges_[i] > 0) || !(edges_[i + 1] - edges_[i] > 1e-5 * edges_[i]))
@@ -45,19 +46,20 @@ public:
   double upper(int bin) const { return edges_[std::size_t(bin) + 1]; }
   double width(int bin) const { return upper(bin) - lower(bin); }
 
-  /// The index of the bin that contains a wavelength, or -1. A table gives a bin that begins slightly below
-  /// it.
+  /// Returns the index of the bin that contains a wavelength, or -1. A table gives a first guess, a bin that
+  /// begins slightly below the wavelength.
   int find(float nm) const {
     if (!(nm >= floats_.front() && nm <= floats_.back())) return -1;
     const auto g = std::min(std::size_t((nm - floats_.front()) * per_nm_), guide_.size() - 1);
     int bin = guide_[g];
-    if (bin > 0 && nm < floats_[std::size_t(bin)]) --bin;  // the product was rounded up
+    if (bin > 0 && nm < floats_[std::size_t(bin)]) --bin;  // the product was rounded up across the edge
     while (bin + 1 < count() && nm >= floats_[std::size_t(bin) + 1]) ++bin;
     return bin;
   }
 
-  /// Names such as "S0.550,00nm": the unpolarised radiance at the centre of each bin (Fichet, Pacanowski &
-  /// Wilkie 2021, "An OpenEXR layout for spectral images"), with enough digits to distinguish the bins.
+  /// Returns names such as "S0.550,00nm": the unpolarised radiance at the centre of each bin (Fichet,
+  /// Pacanowski & Wilkie 2021, "An OpenEXR layout for spectral images"), with enough digits to distinguish
+  /// the bins.
   std::vector<std::string> channel_names() const {
     for (int digits = 2;; ++digits) {
       std::vector<std::string> names;
@@ -73,7 +75,7 @@ private:
   std::vector<double> edges_;
   std::vector<float> floats_;
   std::vector<int> guide_;  ///< the bin at the start of each of equal intervals of the whole range
-  float per_nm_ = 0;        ///< intervals per nm
+  float per_nm_ = 0;        ///< number of intervals per nm
 };
 
 }  // namespace aureole

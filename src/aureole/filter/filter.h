@@ -13,8 +13,9 @@ class Filter : public Object {
 public:
   static constexpr const char* kFamily = "a reconstruction filter";
   using Object::Object;
-  virtual float radius() const = 0;       ///< support is [-radius, radius], in pixels
-  virtual float eval(float x) const = 0;  ///< not normalised; the film divides by the sum of weights
+  virtual float radius() const = 0;  ///< radius of the support [-radius, radius], in pixels
+  /// value of the kernel, which is not normalised; the film divides by the sum of weights
+  virtual float eval(float x) const = 0;
 };
 
 /// A filter tabulated finely over [0, radius] and interpolated linearly (error below 1e-5 of the peak; a box

@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-/// The renderer's Sobol sampler.
+/// Makes the Sobol sampler that rendering uses.
 std::shared_ptr<const Sampler> sobol(const Bsdf& bsdf) {
   const PluginInfo* info = Registry::instance().find("sampler", "sobol");
   return std::dynamic_pointer_cast<const Sampler>(
@@ -33,7 +33,8 @@ LightBudget measure_light_budget(const Bsdf& bsdf, const Vec3& wi, double nm, co
     return s;
   };
   const auto crosses = [&](const Vec3& wo) { return (wo.z > 0) != (wi.z > 0); };
-  // Regular transmission has the direction of the delta lobe; without a delta lobe it is undeviated.
+  // The regular direction of transmission is the direction of the delta lobe; without a delta lobe it is
+  // undeviated.
   Vec3 regular = -wi;
   for (int i = 0; i < 1024; ++i)
     if (const auto s = draw(i); s && s->is_delta() && crosses(s->wo)) {

@@ -10,7 +10,8 @@ namespace aureole {
 /// Fractions of the light arriving at one wavelength.
 struct LightBudget {
   double nm = 0;
-  double direct_transmission = 0, near_transmission = 0, far_transmission = 0;  ///< near: within the angle
+  /// fractions transmitted in the regular direction, within the angle around it, and beyond the angle
+  double direct_transmission = 0, near_transmission = 0, far_transmission = 0;
   double direct_reflection = 0, diffuse_reflection = 0;
   double transmission() const { return direct_transmission + near_transmission + far_transmission; }
   double reflection() const { return direct_reflection + diffuse_reflection; }

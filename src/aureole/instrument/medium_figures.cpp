@@ -16,7 +16,7 @@ namespace {
 
 const SpectralGrid& grid_of(const Medium& medium) { return medium.properties().context().grid; }
 
-/// The up to 8 wavelengths from index `first` on; the last one is repeated.
+/// Returns up to 8 wavelengths from index `first` on; the last one is repeated.
 Wavelengths group(const SpectralGrid& grid, std::span<const double> nm, std::size_t first) {
   return Wavelengths::at(
       grid, make_spectrum([&](int i) { return float(nm[std::min(first + std::size_t(i), nm.size() - 1)]); }));
@@ -28,7 +28,8 @@ double MediumFigures::transmittance(double length) const {
   return optics::transmittance(extinction(), length);
 }
 
-// Absorbances are proportional to the coefficients. The transmittance of an opaque medium would be rounded to 0.
+// Absorbances are taken from the coefficients, to which they are proportional: the transmittance of an opaque
+// medium would be rounded to 0.
 double MediumFigures::absorbance(double length) const {
   return absorption / optics::absorption_of_decadic(1, length);
 }

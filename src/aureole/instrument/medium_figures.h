@@ -18,7 +18,8 @@ struct MediumFigures {
 
   double extinction() const { return absorption + scattering; }
   double albedo() const { return extinction() > 0 ? scattering / extinction() : 0; }
-  double mean_free_path() const { return 1 / extinction(); }  ///< [m]; infinite for zero extinction
+  /// mean free path [m]; infinite for zero extinction
+  double mean_free_path() const { return 1 / extinction(); }
   /// Fraction of light neither absorbed nor scattered over `length` [m].
   double transmittance(double length) const;
   /// Decadic absorbances lg(1/T) over `length` [m], by absorption alone and by extinction (optical density).

@@ -22,8 +22,8 @@ struct BakedPatch {
   std::size_t patch;
 };
 
-/// The least-squares fit of harmonics to colours in directions, with the terms above degree 0 held small: the half of the
-/// sphere behind the surface has no data.
+/// The least-squares fit of harmonics to colours in directions. The terms above degree 0 are regularised,
+/// since the half of the sphere behind the surface has no data.
 class HarmonicFit {
 public:
   explicit HarmonicFit(std::size_t terms)
@@ -42,7 +42,7 @@ public:
     const std::size_t n = terms_;
     constexpr double kHold = 1e-3;
     for (std::size_t i = 1; i < n; ++i) matrix_[i * n + i] += kHold * double(count_) / (4 * kPiD);
-    // Cholesky: the matrix is symmetric and positive definite.
+    // Solves by Cholesky's factorisation: the matrix is symmetric and positive definite.
     std::vector<double>& m = matrix_;
     for (std::size_t j = 0; j < n; ++j) {
       for (std::size_t k = 0; k < j; ++k) m[j * n + j] -= m[j * n + k] * m[j * n + k];
@@ -158,7 +158,7 @@ SplatBake bake_splats(const LoadedScene& loaded, const SplatBakeOptions& options
               path.samples = SampleStream(scene.sensor().sampler(), key, std::uint32_t(first + j));
               path.wavelengths = scene.wavelengths().sample(path.samples.get1(SampleStream::kWavelengthSet),
                                                             path.samples.get1(SampleStream::kHero));
-              // Directions are even in solid angle; those at grazing angles are left out.
+              // Directions are uniform in solid angle; directions at grazing angles are left out.
               const Vec2 u = path.samples.get2(SampleStream::kFilm);
               const float z = 0.05f + 0.95f * u.x, r = std::sqrt(1 - z * z), phi = 2 * kPi * u.y;
               const Vec3 d = frame.to_world({r * std::cos(phi), r * std::sin(phi), z});
@@ -191,7 +191,7 @@ SplatBake bake_splats(const LoadedScene& loaded, const SplatBakeOptions& options
             for (int j = 0; j < count; ++j) {
               const Vec3& d = directions[std::size_t(j)];
               if (d == Vec3{}) continue;
-              eval_harmonics(degree, -d, functions);  // of the direction in which the camera looks
+              eval_harmonics(degree, -d, functions);  // harmonics of the direction in which the camera looks
               linear.add(functions, colors[std::size_t(j)]);
             }
             std::vector<float> fit(3 * terms);

@@ -12,18 +12,18 @@ namespace aureole {
 
 struct SplatBakeOptions {
   bool as_points = false;     ///< points with normals, radii and colours, else Gaussian splats
-  std::size_t count = 20000;  ///< points of the surfaces
-  int degree = 0;             ///< of the harmonics; points have 0
+  std::size_t count = 20000;  ///< number of points on the surfaces
+  int degree = 0;             ///< degree of the harmonics; points have 0
   int paths = 64;         ///< paths of each point, in directions of the hemisphere on the side of its normal
   float exposure = 1;     ///< factor of the light before it is encoded as sRGB
-  float coverage = 0.6f;  ///< standard deviation of a splat, in mean distances of points
+  float coverage = 0.6f;  ///< standard deviation of a splat, relative to the mean distance between points
   std::uint64_t seed = 0;
 };
 
 struct SplatBake {
   SplatCloud cloud;
   std::vector<std::string> notes;
-  double area = 0;  ///< of the surfaces [length^2]
+  double area = 0;  ///< total area of the surfaces [length^2]
 };
 
 /// Distributes points over the scene's surfaces by their area and estimates the radiance that leaves each of them, in linear

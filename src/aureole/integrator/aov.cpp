@@ -16,8 +16,8 @@ enum class Kind { albedo, depth, position, uv, geo_normal, sh_normal, dp_du, dp_
 struct KindName {
   const char* name;
   Kind kind;
-  std::string_view channels;  ///< one letter each
-  const char* meaning;        ///< with its unit
+  std::string_view channels;  ///< names of the channels, one letter each
+  const char* meaning;        ///< description of the AOV with its unit
 };
 constexpr KindName kKinds[] = {
     {"albedo", Kind::albedo, "RGB", "diffuse reflectance under D65, linear sRGB"},

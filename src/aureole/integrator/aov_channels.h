@@ -13,10 +13,12 @@
 namespace aureole {
 
 struct NestedIntegrator {
-  std::string name;  ///< as Mitsuba names its channels: its own, or "_arg_0", "_arg_1", ... of unnamed ones
+  /// name as Mitsuba forms it: the name of the integrator, or "_arg_0", "_arg_1", ... where it has none
+  std::string name;
   std::shared_ptr<const Integrator> integrator;
-  std::vector<std::string> channels;  ///< its own further ones
-  std::vector<std::string> meanings;  ///< of `channels`, as `Integrator::aov_meanings`
+  std::vector<std::string> channels;  ///< AOVs of the nested integrator
+  std::vector<std::string>
+      meanings;  ///< descriptions of `channels`, as `Integrator::aov_meanings` gives them
 };
 
 /// All nested integrators, in order; `documented_name` is their row of the parameter table. Throws a located
@@ -28,7 +30,7 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& properties,
 /// manner than the others, since all follow light in one scene.
 SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested);
 
-/// Throws a located Error where two of the channels have one name.
+/// Throws a located Error where two channels have the same name.
 void require_distinct(const Properties& properties, std::string_view parameter,
                       const std::vector<std::string>& channels);
 
@@ -39,9 +41,9 @@ public:
   explicit ColourMeter(const SpectralGrid& grid);
 
   void xyz(const Spectrum& estimate, const Wavelengths& w, double out[3]) const;
-  /// Linear sRGB; not for reflectances, whose colour is that under D65.
+  /// Linear sRGB of radiance; for reflectances, whose colour is the one under D65, see `reflectance_rgb`.
   void rgb(const Spectrum& estimate, const Wavelengths& w, float out[3]) const;
-  /// Linear sRGB of a surface under D65, of its reflectance: an <rgb> of the scene as it was written.
+  /// Linear sRGB of a surface under D65 from its reflectance; it restores an <rgb> of the scene as written.
   /// `somewhere` is the reflectance at `fixed_wavelengths`: its mean is a control variate, so that a grey
   /// surface has no noise.
   void reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w, const Spectrum& somewhere,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bidirectional path tracing: a path from an emitter and one from the sensor, each vertex of one connected
-// with each of the other. All techniques by which a path can be found count, by spectral MIS
-// (transport/two_way.h).
+// Bidirectional path tracing: each vertex of a path from an emitter is connected with each vertex of a path
+// from the sensor. All techniques by which a path can be found count, by spectral MIS (transport/two_way.h).
 #include <optional>
 
 #include "aureole/bsdf/near_field.h"

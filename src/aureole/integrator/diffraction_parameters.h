@@ -40,7 +40,7 @@ inline bool leaves_splats(const std::optional<DiffractionSettings>& settings) {
   return settings && settings->model == DiffractionSettings::Model::beams;
 }
 
-/// Throws where the scene has what paths around edges are not found with.
+/// Throws an Error where the scene has a medium that emits, since paths around edges cannot start there.
 inline void require_no_glowing_media(const Scene& scene, const Integrator& integrator) {
   if (scene.outline_edges() && scene.has_media())
     throw integrator.properties().error(
@@ -52,7 +52,7 @@ inline void require_no_glowing_media(const Scene& scene, const Integrator& integ
         "diffraction", "light of media that emit is not followed around edges: switch one of them off");
 }
 
-/// `own` followed by the rows of these parameters.
+/// Returns the table rows `own` followed by the rows of the parameters of diffraction.
 inline std::vector<ParameterDoc> with_diffraction_parameters(std::vector<ParameterDoc> own) {
   own.push_back(
       {"diffraction", "boolean", "", "false",

@@ -10,8 +10,8 @@ namespace {
 
 /// Further state of a path.
 struct DirectState {
-  PathDensity sampled;  ///< with a direction sampled by the BSDF
-  int dimension = 0;    ///< the next one of the sampler
+  PathDensity sampled;  ///< density of a path that continues in a direction sampled by the BSDF
+  int dimension = 0;    ///< next dimension of the sampler
 };
 
 struct DirectKind {
@@ -23,8 +23,8 @@ struct DirectKind {
   using Vertices = PerPath<Vertex>;
 };
 
-/// The surfaces that the sensor's rays hit and cross, light and BSDF samples there. Media absorb and emit,
-/// and scatter nothing back: their transmittance is in no pdf.
+/// Finds the surfaces that the sensor's rays hit and cross, and takes light and BSDF samples there. Media
+/// absorb and emit but do not scatter: their transmittance is part of no pdf.
 class DirectWalk : public Walk<DirectWalk, DirectKind> {
 public:
   DirectWalk(const WalkInput& in, int light_samples, int bsdf_samples)
@@ -101,8 +101,8 @@ public:
     path(i).result.estimate += estimate;
     if (log_.follows(i)) log_emission(i, point, estimate);
   }
-  /// Continues behind a surface with a null component, with the probability of crossing it; else the path
-  /// ends.
+  /// Continues behind a surface with a null component, with the probability of crossing it; the path ends
+  /// otherwise.
   bool scatter(int i) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
@@ -123,7 +123,7 @@ private:
     const int first = std::exchange(states_[i].dimension, states_[i].dimension + 3);
     return vertices_[i].scatter(samples.get1(first), samples.get2(first + 1), out);
   }
-  /// Samples a direction at the vertex; false where there is none.
+  /// Samples a direction at the vertex by the BSDF; false where it has none.
   bool begin_line(int i) {
     State& s = states_[i];
     Scatter b;
@@ -136,7 +136,7 @@ private:
     return true;
   }
 
-  const EmittingMedia* media_;  ///< that next-event estimation samples, or null
+  const EmittingMedia* media_;  ///< media whose emission next-event estimation samples, or null
   const int light_samples_, bsdf_samples_;
   const SampleCounts counts_;
   LinesOfSight<DirectWalk> line_steps_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Direct volume rendering: pictures of volumes of numbers by the conventions of scientific visualisation.
+// Direct volume rendering: pictures of scalar fields by the conventions of scientific visualisation.
 #include <fmt/format.h>
 
 #include "aureole/integrator/aov_channels.h"
@@ -98,7 +98,7 @@ public:
       settings.view =
           scene.sensor().sample_ray({film.left + 0.5f * film.width, 0.5f * film.height}, {0.5f, 0.5f}).ray.d;
     }
-    if (measures_) settings.termination = 0;  // the optical thickness is that of the whole ray
+    if (measures_) settings.termination = 0;  // The optical thickness is measured along the whole ray.
     VolumeResult results[kBatch];
     Ray rays[kBatch];
     float ends[kBatch];
@@ -107,16 +107,16 @@ public:
       find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
-      // Vertices of a walk are numbered from 0: the numbers of vertex -1 are used by none.
+      // Vertices of a walk are numbered from 0, so that no walk uses the random numbers of vertex -1.
       VolumeMarch march(scene, media, settings, path, ends[i], d65_.eval(path.wavelengths),
                         key(path.samples, -1, Stream::volume_march));
       results[i] = march.follow();
-      // The nested integrator begins behind the media, or where the ray comes from.
+      // The nested integrator begins behind the media, or at the ray's origin where there are none.
       const float shift = std::min(march.end(), ends[i]);
       path.ray.o = path.ray.o + path.ray.d * shift;
       path.ray.t_max -= shift;
     }
-    // Paths behind which no light passes are not followed, unless they leave light elsewhere or are replayed.
+    // Paths behind an opaque volume are not followed, unless they leave splats or are replayed.
     bool follows_all = behind().leaves() != Leaves::pixel;
     for (std::size_t i = 0; i < paths.size(); ++i) follows_all |= log.follows(int(i));
     for (std::size_t i = 0; i < paths.size();) {

@@ -11,10 +11,10 @@ namespace aureole {
 
 namespace {
 
-/// Light that arrives at a receiver from an emitter that no ray can hit, as an estimate of the radiance along
+/// Estimates the light that arrives at a receiver from an emitter that no ray can hit, as the radiance along
 /// the path's ray: divided by the integral of the response.
 Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path) {
-  // A walk from the sensor has no vertex -1: its numbers are free.
+  // A walk from the sensor has no vertex -1, so that its random numbers are free.
   KeyedRandom random(key(path.samples, -1, Stream::receiver));
   const auto choice = scene.lights().choose(receiver.p, receiver.facing(), random.next());
   if (!choice || !(choice->probability > 0) || !choice->light->is_delta()) return 0.f;

@@ -33,27 +33,27 @@ public:
   virtual void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                      const BatchLog& log) const = 0;
 
-  /// Follows the paths and, where `shows_emitters`, adds the light that a receiver (sensor/sensor.h) has
-  /// directly from emitters that no ray can hit, such as a point.
+  /// Follows the paths and, where `shows_emitters`, adds the light that a receiver (sensor/sensor.h) receives
+  /// directly from emitters that no ray can hit, such as a point light.
   void estimate(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                 const BatchLog& log) const;
-  /// Whether the result has light that arrives from emitters unscattered.
+  /// Whether the result includes light that arrives from emitters unscattered.
   virtual bool shows_emitters() const { return false; }
 
-  /// Where paths leave light: `pixel`, only the result on their own pixel; `film`, splats, with which the
-  /// result counts as one more, so that a path belongs to no pixel; `both`, the result on their own pixel and
+  /// Pixels to which paths contribute: `pixel`, the result to their own pixel only; `film`, splats, of which
+  /// the result is one more, so that a path belongs to no pixel; `both`, the result on their own pixel and
   /// splats.
   enum class Leaves { pixel, film, both };
   virtual Leaves leaves() const { return Leaves::pixel; }
-  /// Known before the scene is made.
+  /// Parts of a scene that the integrator needs, which are known before the scene is made.
   virtual SceneNeeds needs() const { return {}; }
   /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot
   /// follow.
   virtual void require_scene(const Scene&) const {}
-  /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
-  /// paths belong to no pixel.
+  /// Names of the AOVs that are measured beside the film's channels ("albedo.R", "depth"). None where paths
+  /// belong to no pixel.
   virtual std::vector<std::string> aov_names() const { return {}; }
-  /// For each of `aov_names` the quantity in words, with its unit, for the headers of pictures.
+  /// For each of `aov_names` the meaning of the quantity with its unit, for the headers of pictures.
   virtual std::vector<std::string> aov_meanings() const { return {}; }
 };
 

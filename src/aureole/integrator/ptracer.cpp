@@ -16,7 +16,7 @@ public:
   SeenDirectly(std::span<Path> paths, const PathLimits& limits) : paths_(paths), limits_(limits) {}
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   void see(int path, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
-    if (!limits_.hide_emitters) sum[path] += radiance;  // media are none
+    if (!limits_.hide_emitters) sum[path] += radiance;  // `hide_emitters` hides lights, not media
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
   SegmentEmission emission(int) const { return {}; }
@@ -66,7 +66,7 @@ public:
   }
 
 private:
-  /// The radiance along the sensor's rays that connections can't bring to the film.
+  /// Radiance along the sensor's rays that no connection of a light path can bring to the film.
   void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
     SeenDirectly seen(paths, limits_);
     LinesOfSight lines(scene, seen);

@@ -21,7 +21,7 @@ std::vector<const SplatMedium*> splat_media(const Scene& scene) {
   return media;
 }
 
-/// The distance along a ray at which it leaves a box, or 0 where it does not pass it.
+/// Distance along a ray at which it leaves a box, or 0 where the ray misses the box.
 float exit_of(const Bounds3& box, const Ray& ray) {
   float begin = 0, end = kInfinity;
   for (int k = 0; k < 3; ++k) {
@@ -118,7 +118,7 @@ public:
     if (!settings_.background)
       find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
 
-    // Samples at one position, as those of a pixel's centre, are blended once.
+    // Samples at one position, as at a pixel's centre, are blended once.
     static_assert(kBatch <= kSplatLanes);
     SplatSample samples[kBatch];
     int sample_of[kBatch], count = 0;
@@ -174,7 +174,8 @@ private:
     });
   }
 
-  /// The light of blended splats: their colour is a radiance in units of D65, as that of an <rgb> emitter.
+  /// The light of blended splats: their colour is a radiance in units of D65, as the colour of an <rgb>
+  /// emitter.
   Spectrum light_of(const Scene& scene, const ProjectedSplats& splats, const SplatSample& s,
                     const Path& path) const {
     const bool is_encoded = settings_.blends() && splats.conventions().colors == SplatHints::Colors::srgb;

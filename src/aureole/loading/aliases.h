@@ -13,7 +13,7 @@ struct PluginInfo;
 struct PluginAlias {
   std::string_view family, name;
   std::string_view replacement;
-  std::string_view reason;                ///< for the note to the user
+  std::string_view reason;                ///< reason, for the note to the user
   std::vector<std::string_view> ignored;  ///< parameters that the replacement does not have
   /// A boolean parameter of the replacement that is false where the scene does not state it; empty: none.
   std::string_view false_by_default = {};

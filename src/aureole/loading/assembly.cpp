@@ -39,12 +39,12 @@ void SceneAssembly::add(const Node& child) {
     return;
   }
   if (child.tag == "alias") return;
-  if (child.tag == "given") {  // built because references may name it
+  if (child.tag == "given") {  // the object is built, since references may name it
     builder_.object(child);
     return;
   }
   const Node* node = builder_.target(child);
-  if (!node) return;  // an invalid <ref>, already reported
+  if (!node) return;  // the <ref> is invalid, which has been reported
   const std::string family = object_family(*node);
   if (family.empty()) {
     diagnostics_.error(unknown_element(*node));

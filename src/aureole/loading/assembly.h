@@ -20,7 +20,7 @@ public:
   /// read.
   void run(const Node& root, bool needs_sensor);
 
-  SceneParts parts;  ///< without a context
+  SceneParts parts;  ///< parts of the scene, without a context
   ObjectPtr integrator;
 
 private:
@@ -36,7 +36,8 @@ private:
   Diagnostics& diagnostics_;
   const Node *sensor_ = nullptr, *integrator_ = nullptr;
   bool shape_failed_ = false;
-  std::unordered_set<const Object*> appended_;  ///< an element is added once, however often it is referenced
+  /// objects that were added: an element is added once, however often it is referenced
+  std::unordered_set<const Object*> appended_;
 };
 
 }  // namespace aureole

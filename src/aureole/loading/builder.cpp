@@ -131,7 +131,7 @@ bool Builder::add_child(const Node& child, Properties& properties) {
   } else if (child.tag == "given") {
     if (ObjectPtr object = this->object(child)) value = std::move(object);
   } else if (child.tag == "alias") {
-    return true;  // handled by References
+    return true;  // the ids of aliases are handled by References
   } else if (is_property(child)) {
     value = property_value(child, diagnostics_);
   } else {

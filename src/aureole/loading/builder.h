@@ -68,12 +68,12 @@ private:
   TableProgress progress_;
   ObjectPool* pool_;
   PoolKeys keys_;
-  NodeTable<ObjectPtr> built_;  ///< null if building failed
-  NodeTable<char> is_built_;    ///< whether building was begun
+  NodeTable<ObjectPtr> built_;  ///< object of each element; null if building failed
+  NodeTable<char> is_built_;    ///< whether building of an element was begun
   std::vector<std::filesystem::path> files_;
 };
 
-/// An error such as: unknown element <bdsf>; did you mean "bsdf"?
+/// Returns an error such as: unknown element <bdsf>; did you mean "bsdf"?
 Error unknown_element(const Node& node);
 
 }  // namespace aureole

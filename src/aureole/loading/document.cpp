@@ -83,7 +83,7 @@ Node parse_element(const std::string& path, const std::string& text, ParsedScene
   if (parsed.root.children.size() != 1 && !diagnostics.has_errors())
     diagnostics.error({shown, 0, 0}, "expected one element");
   if (parsed.root.children.empty()) return {};
-  // Relative file names in it refer to the scene's folder.
+  // Relative file names in the element refer to the scene's folder.
   const auto file = std::make_shared<SourceFile>();
   file->path = into.files.front()->path, file->shown = shown;
   set_file(parsed.root.children.front(), file);
@@ -94,7 +94,7 @@ Node parse_element(const std::string& path, const std::string& text, ParsedScene
 
 struct SceneDocument::Place {
   Node* owner = nullptr;
-  std::size_t child = 0;   ///< index, or the number of children if the parameter is not written
+  std::size_t child = 0;   ///< index of the child, or the number of children if the parameter is not written
   std::string name;        ///< name of the parameter
   Node* target = nullptr;  ///< the child, references followed; null if not written
 };

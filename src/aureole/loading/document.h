@@ -21,7 +21,7 @@ namespace aureole {
 
 class SceneDocument {
 public:
-  /// Opens a scene as `load_scene` and `load_scene_from_string` do, and throws the same errors.
+  /// Opens a scene like `load_scene` and `load_scene_from_string`, and throws the same errors.
   explicit SceneDocument(const std::filesystem::path& file, const LoadOptions& options = {});
   SceneDocument(const std::string& text, const std::filesystem::path& pretended_file,
                 const LoadOptions& options = {});
@@ -64,7 +64,8 @@ private:
   ObjectPool pool_;
   NodeTable<ObjectPtr> objects_;
   LoadedScene loaded_;
-  std::vector<std::string> notes_;  ///< notes of the file and of all builds; kept objects add none again
+  /// notes of the file and of all builds; objects that are kept between builds are noted once
+  std::vector<std::string> notes_;
 };
 
 }  // namespace aureole

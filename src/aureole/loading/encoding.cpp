@@ -13,7 +13,8 @@ namespace {
 using namespace std::string_view_literals;
 
 void append(std::string& out, std::uint32_t c) {
-  if (c > 0x10ffff || (c >= 0xd800 && c < 0xe000)) c = 0xfffd;  // the replacement character
+  // invalid code points become the replacement character
+  if (c > 0x10ffff || (c >= 0xd800 && c < 0xe000)) c = 0xfffd;
   if (c < 0x80) {
     out += char(c);
   } else if (c < 0x800) {
@@ -29,7 +30,7 @@ void append(std::string& out, std::uint32_t c) {
 /// Decodes units of 2 or 4 bytes. An incomplete unit at the end is ignored.
 std::string from_wide(std::string_view text, std::size_t bytes, bool big_endian) {
   std::string out;
-  std::uint32_t high = 0;  // the first half of a UTF-16 surrogate pair
+  std::uint32_t high = 0;  // first half of a UTF-16 surrogate pair
   for (std::size_t at = 0; at + bytes <= text.size(); at += bytes) {
     std::uint32_t c = 0;
     for (std::size_t i = 0; i < bytes; ++i)

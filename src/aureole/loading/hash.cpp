@@ -53,7 +53,7 @@ void add_node(const Node& node, const References& references, Hash& hash) {
             [](const Attribute* a, const Attribute* b) { return a->name < b->name; });
   for (const Attribute* a : sorted) {
     if (a->name == "version" || references.names_file(*a))
-      continue;  // a file is hashed by its content, not by its path
+      continue;  // a path is left out, since a file is hashed by its content
     hash.text(a->name);
     if (node.tag == "string")
       hash.text(a->value);
@@ -79,7 +79,7 @@ public:
   /// Hash of an element's content, without its name and without ids.
   std::uint64_t content(const Node& node) {
     if (const Node* target = references_.follow(node); target && target != &node) return content(*target);
-    const bool is_leaf = node.children.empty();  // cheaper to hash than to look up
+    const bool is_leaf = node.children.empty();  // a leaf is cheaper to hash than to look up
     if (!is_leaf && contents_[node]) return *contents_[node];
     Hash hash;
     hash.text(node.tag);

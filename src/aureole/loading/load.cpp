@@ -90,12 +90,14 @@ public:
   template <class Build>
   void build(const SpectralGrid& grid, const LoadOptions& options, ObjectPool* pool, const Build& build) {
     owned_->context.grid = grid;
-    if (pool && !pool->empty()) stop_at_errors();  // an invalid grid, caused by errors, would empty the pool
+    // stops, since an invalid grid, caused by errors, would empty the pool
+    if (pool && !pool->empty()) stop_at_errors();
     if (pool) pool->begin(owned_->context);
     Builder builder(references, context(), diagnostics(), options.given, options.progress, pool);
     owned_->context.models = pool ? pool->models() : std::make_shared<ModelCache>();
     {
-      // Resets the context's pointer to the builder, which ends first, also when loading is cancelled.
+      // Resets the context's pointer to the builder, whose lifetime ends first, also when loading is
+      // cancelled.
       struct Lookup {
         BuildContext& context;
         ~Lookup() { context.scene = nullptr; }

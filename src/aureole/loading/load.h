@@ -21,15 +21,16 @@ namespace aureole {
 
 /// Changes to a scene that the command line requests.
 struct LoadOptions {
-  std::vector<std::pair<std::string, std::string>> defines;  ///< -D name=value
+  std::vector<std::pair<std::string, std::string>> defines;  ///< definitions -D name=value
   std::string sampler;     ///< plug-in that replaces the sensor's sampler; sample_count and seed are kept
   std::string integrator;  ///< plug-in that replaces the integrator; parameters that it documents are kept
-  std::string
-      fallback_integrator;  ///< plug-in for a scene that has no integrator; empty: the family's default
+  /// plug-in for a scene that has no integrator; empty: the family's default
+  std::string fallback_integrator;
   struct Parameter {
     std::string tag, name, value;
   };
-  std::vector<Parameter> integrator_parameters;  ///< replace the integrator's parameters of these names
+  /// parameters that replace the integrator's parameters of these names
+  std::vector<Parameter> integrator_parameters;
   /// Whether BSDFs whose id is that of a building material, such as "mat-itu_concrete", become slabs of it, as in
   /// sionna-rt (loading/radio_materials.h).
   bool radio_materials = false;
@@ -48,7 +49,7 @@ struct LoadedScene {
   std::uint64_t hash = 0;  ///< hash of content and referenced files, without sample_count and seed of the
                            ///< sampler
   std::vector<std::string> notes;  ///< notes for the user: first the file's in its order, then the scene's
-  std::filesystem::path file;      ///< absolute
+  std::filesystem::path file;      ///< absolute path of the file
 };
 
 /// Loads a scene file. Throws one ErrorList with every problem of the scene, in file order.
@@ -60,7 +61,8 @@ LoadedScene load_scene_from_string(const std::string& text, const std::filesyste
 
 /// The objects of a scene file, for instruments that measure one of them.
 struct LoadedObjects {
-  /// Ids, empty where an object has none, and objects in the file's order. An object with an alias is there twice.
+  /// Ids, empty where an object has none, and objects in the file's order. An object with an alias is listed
+  /// twice.
   std::vector<std::pair<std::string, ObjectPtr>> objects;
   std::shared_ptr<const BuildContext> context;
   std::vector<std::string> notes;

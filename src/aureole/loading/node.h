@@ -20,10 +20,10 @@ using SceneVersion = std::array<int, 3>;
 
 /// A source file: the main scene file or an included one.
 struct SourceFile {
-  std::filesystem::path path;  ///< absolute
-  std::string shown;           ///< name in messages: relative if the user gave a relative path
+  std::filesystem::path path;  ///< absolute path
+  std::string shown;           ///< file name in messages: relative if the user gave a relative path
   SceneVersion version{3, 0, 0};
-  std::shared_ptr<const SourceFile> included_by;  ///< null for the main file
+  std::shared_ptr<const SourceFile> included_by;  ///< file that includes this one; null for the main file
   SourceLocation included_at;
 
   std::filesystem::path folder() const { return path.parent_path(); }
@@ -54,7 +54,7 @@ struct Node {
   Node* named_child(std::string_view name);
 };
 
-/// Numbers a node and everything below it from 0 in document order. Returns how many nodes there are.
+/// Numbers a node and all its descendants from 0 in document order. Returns the number of nodes.
 std::size_t number_nodes(Node& root);
 
 /// One value for each node of a numbered tree.

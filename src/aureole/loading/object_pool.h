@@ -24,7 +24,8 @@ public:
   /// Begins a build: marks all geometry as unused. Empties the pool if the spectral grid, the unit of
   /// length or the scene's `energy_preserving` has changed.
   void begin(const BuildContext& context);
-  /// Whether objects of a family are kept entirely. For shapes only the geometry is kept (`geometry_source`).
+  /// Whether objects of a family are kept as a whole. For shapes only the geometry is kept
+  /// (`geometry_source`).
   static bool keeps(const std::string& family);
   /// Returns an object made from an equal element (`PoolKeys::of`), or null.
   ObjectPtr find(std::uint64_t key) const;
@@ -59,12 +60,12 @@ private:
   /// Geometries of equal elements.
   struct EqualShapes {
     std::vector<std::unique_ptr<Entry>> entries;
-    std::size_t taken = 0;  ///< the first so many entries are taken
+    std::size_t taken = 0;  ///< number of entries taken in this build, which come first
   };
   Entry& add_entry(std::uint64_t key, const std::vector<std::string>& attributes);
 
   std::unordered_map<std::uint64_t, ObjectPtr> objects_;
-  std::unordered_map<std::uint64_t, EqualShapes> shapes_;  ///< by `PoolKeys::geometry_of`
+  std::unordered_map<std::uint64_t, EqualShapes> shapes_;  ///< shapes by `PoolKeys::geometry_of`
   std::shared_ptr<ModelCache> models_ = std::make_shared<ModelCache>();
   SpectralGrid grid_;
   double length_unit_m_ = 0;

@@ -11,8 +11,8 @@ namespace aureole {
 
 namespace {
 
-/// Makes a node for an object that is not in the scene file: of the given plug-in, or of the family's
-/// default.
+/// Makes a node for an object that is not in the scene file: with the given plug-in, or the family's default
+/// plug-in.
 Node synthetic(const Node& parent, const std::string& family, const std::string& type) {
   Node node{family, {}, {}, parent.where, parent.file};
   node.set("type", type.empty() ? Registry::instance().family(family)->fallback : type);

@@ -8,8 +8,8 @@ namespace aureole {
 
 namespace {
 
-/// Limit of the total length of all substituted values: nested definitions such as b = $a$a double it each
-/// time.
+/// Limit of the total length of all substituted values: nested definitions such as b = $a$a double the length
+/// each time.
 constexpr std::size_t kMaxInserted = std::size_t(1) << 26;
 
 bool is_identifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }

@@ -47,7 +47,7 @@ public:
 
   SourceLocation at(std::size_t offset) const {
     offset = std::min(offset, original_.size());
-    // The parser goes forwards: most positions lie in the line of the last one or in the next line.
+    // Positions are mostly requested in order: they lie in the line of the last one or in the next line.
     const auto is_in = [&](std::size_t line) {
       return line_starts_[line] <= offset &&
              (line + 1 == line_starts_.size() || offset < line_starts_[line + 1]);
@@ -68,7 +68,7 @@ public:
   std::string buffer;
 
 private:
-  bool begins_character(std::size_t i) const {  // in UTF-8
+  bool begins_character(std::size_t i) const {  // whether a UTF-8 character begins at byte i
     return (static_cast<unsigned char>(original_[i]) & 0xC0) != 0x80;
   }
   std::size_t characters_before(std::size_t offset) const {
@@ -262,7 +262,8 @@ fs::path find_file(const std::string& filename, const SourceFile& from,
   const fs::path name = filename;
   std::error_code ignored;
   if (filename.empty()) return {};
-  const auto of_windows = [&] {  // a name with backslashes that is no name as it stands
+  // a name with backslashes that does not exist as it is written may be a Windows path
+  const auto of_windows = [&] {
     std::string slashed = filename;
     std::replace(slashed.begin(), slashed.end(), '\\', '/');
     return slashed == filename ? fs::path() : find_file(slashed, from, folders);
@@ -293,7 +294,8 @@ ParsedScene parse_scene(const fs::path& file, const std::optional<std::string>& 
   Parser parser(parameters, diagnostics);
   if (!parser.parse(source, std::move(content), parser.scene.root)) {
     parser.scene.complete = false;
-  } else if (parser.scene.complete) {  // a missing file may be the one that uses them
+    // with a missing file no error is reported, since that file may use the definitions
+  } else if (parser.scene.complete) {
     parameters.report_unused(source->shown, diagnostics);
   }
   return std::move(parser.scene);

@@ -13,10 +13,10 @@
 namespace aureole {
 
 struct ParsedScene {
-  Node root;                                          ///< <scene>, without <include>, <default> and <path>
-  std::vector<std::filesystem::path> search_folders;  ///< of <path>, absolute, in reverse order
-  std::vector<SourceFilePtr> files;                   ///< the main file first
-  bool complete = true;                               ///< false if a part could not be read (reported)
+  Node root;  ///< element <scene>, without <include>, <default> and <path>
+  std::vector<std::filesystem::path> search_folders;  ///< folders of <path>, absolute, in reverse order
+  std::vector<SourceFilePtr> files;                   ///< files that were read, the main file first
+  bool complete = true;  ///< false if a part could not be read, which has been reported
 };
 
 /// Parses `file`, or `text` as if it were the content of `file`. Problems are added to `diagnostics`;

@@ -11,7 +11,7 @@ namespace aureole {
 
 namespace {
 
-constexpr const char* kThickness = "0.1m";  // sionna-rt's default
+constexpr const char* kThickness = "0.1m";  // default thickness in sionna-rt
 
 void make_slab(Node& bsdf, const std::string& material, const std::string& thickness) {
   bsdf.set("type", "slab");
@@ -25,12 +25,12 @@ bool is_made_of_radio_material(const Node& node) {
          std::any_of(node.children.begin(), node.children.end(), is_made_of_radio_material);
 }
 
-/// The materials that replaced BSDFs, and where the first was.
+/// The BSDFs that were replaced by materials, and the location of the first.
 struct Replaced {
   std::vector<std::string> materials;
   std::size_t count = 0;
   SourceLocation first;
-  std::size_t others = 0;  ///< BSDFs that are no building materials
+  std::size_t others = 0;  ///< number of BSDFs that are no building materials
   SourceLocation first_other;
 };
 
@@ -41,7 +41,7 @@ void replace_below(Node& parent, const std::vector<std::string>& known, Replaced
     const std::string material = id.starts_with("mat-") ? id.substr(4) : id;
     if (node.tag == "bsdf" && is_made_of_radio_material(node)) continue;
     if (node.tag != "bsdf" || !material.starts_with("itu_")) {
-      // A BSDF with one inside that is named after a material is that material.
+      // A BSDF that contains a BSDF with the name of a material becomes that material.
       const std::size_t others = replaced.others, count = replaced.count;
       const SourceLocation first_other = replaced.first_other;
       replace_below(node, known, replaced, diagnostics);
@@ -83,7 +83,7 @@ void upgrade_radio_material(Node& bsdf, Diagnostics& diagnostics) {
   }
   const std::string material = "itu_" + type->get("value");
   std::string metres = thickness ? thickness->get("value") : kThickness;
-  if (!metres.empty() && metres.back() == '.') metres.pop_back();  // "1."
+  if (!metres.empty() && metres.back() == '.') metres.pop_back();  // a number written as "1."
   if (thickness) metres += "m";
   diagnostics.note(bsdf.where, "bsdf \"itu-radio-material\" is replaced by \"slab\" of " + material + ", " +
                                    metres + " thick");

@@ -40,7 +40,7 @@ Ids::Ids(Node& root, bool complete, Diagnostics& diagnostics) : root_(&root) {
 }
 
 void Ids::collect_all(bool complete, Diagnostics& diagnostics) const {
-  is_collected_ = true;  // first: aliases are found by looking up ids
+  is_collected_ = true;  // set first, since aliases are found by looking up ids
   collect(*root_, diagnostics);
   collect_aliases(*root_, complete, diagnostics);
 }
@@ -168,7 +168,7 @@ private:
 
   /// Traverses objects and references depth-first and cuts references that lead back into the current path.
   Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
-    if (node.children.empty()) return {};  // nothing leads back from it
+    if (node.children.empty()) return {};  // a node without children cannot lead back into the path
     if (extents_[node].known) return extents_[node];
     path.push_back(&node);
     Extent extent{true};
@@ -179,7 +179,7 @@ private:
       const auto start = std::find(path.begin(), path.end(), &next);
       if (start != path.end()) {
         report_cycle(child, next, {start, path.end()});
-        // A cycle may also close by nesting, where a reference led to an object inside another one.
+        // A cycle may also be closed by nesting, where a reference leads to an object inside another one.
         if (refers)
           references_.targets_[child] = nullptr;
         else
@@ -198,7 +198,7 @@ private:
     path.pop_back();
     const std::string& family = object_family(node);
     if (extent.references > kMaxReferences && !family.empty() && family != "shape") {
-      // Objects that refer to this one exceed the limit as well; one error is enough.
+      // Objects that refer to this one exceed the limit as well; one error is sufficient.
       if (!cut_all_)
         diagnostics_.error(node.where, "the references below this " + family + " lead to more than " +
                                            std::to_string(kMaxReferences) + " objects");

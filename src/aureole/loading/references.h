@@ -23,9 +23,10 @@ public:
     std::size_t child = 0;  ///< index among the parent's children
   };
 
-  /// If an id is given twice, the first object is used. The tree is read when the first id is looked up.
+  /// If an id is given twice, the first object is used. The tree is read on the first look-up of an id.
   explicit Ids(Node& root) : root_(&root) {}
-  /// Also reports duplicate ids and, if the whole tree could be read (`complete`), aliases of unknown ids.
+  /// Reads the tree, and reports duplicate ids and, if the whole tree could be read (`complete`), aliases of
+  /// unknown ids.
   Ids(Node& root, bool complete, Diagnostics& diagnostics);
 
   Node& root() const { return *root_; }
@@ -66,7 +67,7 @@ public:
   /// Whether the value of an attribute is the name of a file.
   bool names_file(const Attribute& attribute) const { return file_attributes_.contains(&attribute); }
 
-  /// How many nodes the tree has.
+  /// Returns the number of nodes in the tree.
   std::size_t node_count() const { return targets_.size(); }
 
   Ids ids;

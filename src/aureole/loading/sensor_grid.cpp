@@ -13,7 +13,7 @@ namespace aureole {
 
 namespace {
 
-/// Limits in nm: hard gamma rays to waves of 1000 km; single precision does not reach much further.
+/// Limits in nm: hard gamma rays to waves of 1000 km; the range of single precision ends not far beyond.
 constexpr double kShortest = 1e-6, kLongest = 1e15;
 
 /// Returns the parameters of an object and of those below it, before anything is built. Unreadable values are

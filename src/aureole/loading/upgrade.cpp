@@ -142,7 +142,7 @@ void upgrade_srgb(Node& node) {
   node.tag = "rgb";
   Attribute* value = node.find("value");
   if (!value || value->failed || value->value.find('#') != std::string::npos)
-    return;  // <rgb> decodes #rrggbb
+    return;  // nothing to convert, since <rgb> decodes #rrggbb
   try {
     const std::vector<double> encoded = parse_numbers(value->value);
     std::string linear;
@@ -210,7 +210,7 @@ void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostic
     Attribute* value = radius->find("value");
     try {
       if (value && !value->failed) value->value = number_text(0.5358 * parse_number(value->value));
-    } catch (const Error&) {  // left to the reader of the parameter to report
+    } catch (const Error&) {  // the reader of the parameter reports the error
     }
   }
   std::string scale = "1";
@@ -236,7 +236,7 @@ void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostic
   to_world.children.insert(to_world.children.begin(), std::move(axes));
 }
 
-/// Converts "Rectangle", which older exporters write, to "rectangle".
+/// Converts the plug-in name "Rectangle", which older exporters write, to "rectangle".
 void lower_type(Node& object, Diagnostics& diagnostics) {
   Attribute* type = object.find("type");
   const std::string family = object_family(object);

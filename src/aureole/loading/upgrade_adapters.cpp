@@ -67,7 +67,7 @@ void upgrade_mixture(Node& mixture, Diagnostics& diagnostics) {
     diagnostics.note(mixture.where, "bsdf \"mixturebsdf\" is replaced by \"blendbsdf\"");
   } catch (const Error& e) {
     diagnostics.error(where.where, "parameter \"weights\": " + e.message());
-    mixture.set("type", "null");  // the error is reported; a null BSDF causes no further ones
+    mixture.set("type", "null");  // the error has been reported; a null BSDF causes no further errors
   }
 }
 

@@ -65,7 +65,7 @@ void make_grey(Node& node) {
       return;
     node.tag = "spectrum";
     value->value = number_text(numbers[0]);
-  } catch (const Error&) {  // left to the reader of colours to report
+  } catch (const Error&) {  // the reader of colours reports the error
   }
 }
 

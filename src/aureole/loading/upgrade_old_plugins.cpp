@@ -80,7 +80,7 @@ void upgrade_coating(Node& coating, Diagnostics& diagnostics) {
   coating.children.push_back(std::move(medium));
 }
 
-/// Converts `hair`, whose file has no radii.
+/// Converts `hair`; its file has no radii, so that a default radius is used.
 void upgrade_hair(Node& hair, Diagnostics& diagnostics) {
   note_replaced(hair, "linearcurve", diagnostics);
   hair.set("type", "linearcurve");
@@ -89,7 +89,7 @@ void upgrade_hair(Node& hair, Diagnostics& diagnostics) {
   if (!hair.named_child("radius")) hair.children.push_back(parameter_node(hair, "float", "radius", "0.025"));
 }
 
-/// Converts a beam of no width, whose power is 1 unless stated, to that of a small disc.
+/// Converts a beam of zero width, whose power is 1 unless stated, to the light of a small disc.
 void upgrade_collimated(Node& beam, Diagnostics& diagnostics) {
   constexpr double kRadius = 1e-3, kArea = 3.14159265358979 * kRadius * kRadius;
   const auto power = taken(beam, "power");
@@ -138,7 +138,7 @@ void upgrade_envmap(Node& map, Diagnostics& diagnostics) {
   drop(map, "gamma", diagnostics);
 }
 
-/// Three numbers are the components of an RGB colour, as Mitsuba 0.6 was mostly built.
+/// Three numbers are the components of an RGB colour, as in most builds of Mitsuba 0.6.
 void upgrade_spectrum(Node& node, Diagnostics& diagnostics) {
   const Attribute* value = node.find("value");
   if (!value || value->failed || value->value.find(':') != std::string::npos) return;
@@ -147,7 +147,7 @@ void upgrade_spectrum(Node& node, Diagnostics& diagnostics) {
   node.tag = "rgb";
 }
 
-/// Replaces a cache by the volume in it.
+/// Replaces a `volcache` by the volume in it.
 void upgrade_volcache(Node& cache, Diagnostics& diagnostics) {
   const auto inner = std::find_if(cache.children.begin(), cache.children.end(),
                                   [](const Node& c) { return c.tag == "volume" || c.tag == "ref"; });

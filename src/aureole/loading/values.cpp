@@ -91,7 +91,8 @@ void put_in_order(SpectrumLiteral& s) {
   std::reverse(s.values.begin(), s.values.end());
 }
 
-/// Reads the wavelengths of one spectrum, in nm. `unit` is that of words without one; empty: nm is assumed.
+/// Reads the wavelengths of one spectrum, in nm. `unit` applies to numbers without a unit; empty: nm is
+/// assumed.
 class WavelengthReader {
 public:
   explicit WavelengthReader(std::string unit) : unit_(std::move(unit)) { stated_ = !unit_.empty(); }
@@ -103,7 +104,7 @@ public:
     return unit_.empty() ? parse_wavelength_nm(word) : parse_wavelength_nm(std::string(word) + unit_);
   }
   void set_unit(std::string unit) { unit_ = std::move(unit), stated_ = true; }
-  /// Whether no wavelength was taken for nm without being told so.
+  /// Whether every wavelength has a stated unit, so that none was assumed to be in nm.
   bool is_stated() const { return stated_; }
 
 private:
@@ -124,7 +125,7 @@ SpectrumLiteral spectrum_of(const Node& node, Diagnostics& diagnostics) {
   return value ? parse_spectrum(value->value, text) : read_spectrum_file(file->value, text);
 }
 
-/// Whether a word begins like a number; others begin header lines.
+/// Whether a word begins like a number; other words begin header lines.
 bool is_number_at_start(std::string_view word) {
   const auto digit = word.find_first_not_of("+-.");
   return digit != word.npos && word[digit] >= '0' && word[digit] <= '9';
@@ -289,7 +290,7 @@ SpectrumLiteral read_spectrum_file(const std::filesystem::path& file, const std:
   WavelengthReader wavelength(unit);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // removes the byte order mark
     line.resize(std::min(line.find('#'), line.size()));
     std::replace_if(
         line.begin(), line.end(), [](char c) { return c == '"' || c == '\'' || c == ';'; }, ' ');

@@ -29,8 +29,8 @@ std::vector<std::string_view> split_list(std::string_view text);
 
 /// Parses one or three linear numbers, or "#rrggbb", which is sRGB-encoded and gets decoded; throws Error.
 SpectrumLiteral parse_rgb(std::string_view text);
-/// Parses one number, or "wavelength:value" pairs in order of wavelength; throws Error. `unit` is that of
-/// wavelengths without one of their own; empty: nm.
+/// Parses one number, or "wavelength:value" pairs in order of wavelength; throws Error. `unit` applies to
+/// wavelengths without a unit; empty: nm.
 SpectrumLiteral parse_spectrum(std::string_view text, const std::string& unit = "");
 /// Reads a text file with two columns, wavelength and value, and # comments; throws Error located in that
 /// file. Lines before the first number are a header, which may name the unit.

@@ -47,7 +47,8 @@ float invert(const float* cdf, size_t n, const std::uint32_t* guide, size_t guid
   if (pdf) *pdf = mass * float(n);
   if (cell) *cell = i;
   const float within = mass > 0 ? std::min((u - cdf[i]) / mass, 1.f) : 0.5f;
-  return std::min((float(i) + within) / float(n), 0x1.fffffep-1f);  // the sum may round up to n
+  // the sum may round up to n, so that the result is kept below 1
+  return std::min((float(i) + within) / float(n), 0x1.fffffep-1f);
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ public:
 
 private:
   double total_ = 0;
-  std::vector<float> cdf_;            ///< n + 1 values from 0 to 1
-  std::vector<std::uint32_t> guide_;  ///< first cell to test, by floor(u n)
+  std::vector<float> cdf_;            ///< cumulative distribution: n + 1 values from 0 to 1
+  std::vector<std::uint32_t> guide_;  ///< first cell that the search tests, by floor(u n)
 };
 
 /// Piecewise constant pdf over a grid of cells of [0, 1)^2: a marginal distribution over rows and a
@@ -35,18 +35,19 @@ private:
 class Piecewise2D {
 public:
   Piecewise2D() = default;
-  Piecewise2D(std::span<const float> weights, int width, int height);  ///< weights row by row
+  Piecewise2D(std::span<const float> weights, int width, int height);  ///< `weights` are listed row by row
   Vec2 sample(Vec2 u, float* pdf) const;
   float pdf(Vec2 p) const;
 
 private:
-  /// Only one in four cells of a row has an entry: the tables of large maps compete for cache memory.
+  /// Number of cells of a row for each entry of its guide: the tables of large maps compete for cache memory.
   static constexpr int kCellsPerGuide = 4;
 
   Piecewise1D marginal_;
   int width_ = 0, height_ = 0, guides_ = 0;
-  std::vector<float> cdf_;            ///< width + 1 values per row, from 0 to 1
-  std::vector<std::uint32_t> guide_;  ///< per row, by floor(u guides): the first cell to test
+  std::vector<float> cdf_;  ///< cumulative distributions: width + 1 values per row, from 0 to 1
+  std::vector<std::uint32_t>
+      guide_;  ///< for each row, the first cell that the search tests, by floor(u guides)
 };
 
 }  // namespace aureole

@@ -13,7 +13,7 @@ namespace aureole {
 /// The significance level of each of `tests` tests for a family-wise error rate of `family` (Sidak 1967).
 double sidak_level(double family, std::size_t tests);
 
-/// P(X >= statistic) for a chi-square distribution.
+/// Returns P(X >= statistic) for a chi-square distribution.
 double chi_square_p_value(double statistic, std::size_t degrees_of_freedom);
 
 /// Exact two-sided p-value of `count` successes in `trials` at `probability`.
@@ -50,7 +50,7 @@ ChiSquareResult chi_square_test(std::span<const double> masses, std::span<const 
 /// `least_expected` samples are pooled, wherever they are. Their pool is tested if more than `least_rest`
 /// samples are expected in it.
 struct CoarseChiSquareResult : ChiSquareResult {
-  double rest_expected = 0, rest_found = 0;  ///< in the pool of small bins
+  double rest_expected = 0, rest_found = 0;  ///< expected and found samples in the pool of small bins
   bool tests_rest = false;
 };
 CoarseChiSquareResult coarse_chi_square_test(std::span<const double> masses,

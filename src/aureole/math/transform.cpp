@@ -71,7 +71,8 @@ bool Transform::is_singular() const {
     }
     scale *= std::sqrt(row);
   }
-  // Products of tiny scales vanish, and their inverse has no bound.
+  // Smallest determinant of an invertible matrix: products of tiny scales vanish, and their inverse has no
+  // bound.
   constexpr double kLeast = 1e-290;
   return !(std::abs(determinant3()) > std::max(1e-12 * scale, kLeast));
 }

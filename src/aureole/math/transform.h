@@ -15,7 +15,8 @@ inline constexpr double kFarthestPlace = 9e17;
 
 class Transform {
 public:
-  using Matrix = std::array<std::array<double, 4>, 4>;  ///< row-major, for column vectors
+  using Matrix =
+      std::array<std::array<double, 4>, 4>;  ///< rows of the matrix, which multiplies column vectors
 
   Transform();  ///< identity
   explicit Transform(const Matrix& m) : m_(m) {}
@@ -32,18 +33,19 @@ public:
 
   Transform operator*(const Transform& b) const;
   const Matrix& matrix() const { return m_; }
-  double determinant3() const;  ///< of the upper left 3x3 submatrix
-  bool is_singular() const;     ///< not invertible to working precision, or not finite
+  double determinant3() const;  ///< determinant of the upper left 3x3 submatrix
+  bool is_singular() const;     ///< whether the matrix is not invertible to working precision, or not finite
   /// Whether the origin is mapped to coordinates of at most kFarthestPlace.
   bool stays_near() const;
-  Transform inverse() const;  ///< requires !is_singular()
-  /// Returns the rotation nearest to the 3x3 submatrix, or the nearest rotation with a reflection if that
-  /// mirrors: the orthogonal factor of the polar decomposition. Requires !is_singular().
+  Transform inverse() const;  ///< returns the inverse; requires !is_singular()
+  /// Returns the rotation nearest to the 3x3 submatrix, or the nearest rotation with a reflection if the
+  /// submatrix mirrors: the orthogonal factor of the polar decomposition. Requires !is_singular().
   Transform orthogonal_part() const;
 
   Vec3 point(const Vec3& p) const;   ///< applies the affine part only
   Vec3 vector(const Vec3& v) const;  ///< applies the 3x3 submatrix
-  Vec3 normal(const Vec3& n) const;  ///< applies its inverse transpose; not normalised
+  /// applies the inverse transpose of the 3x3 submatrix; the result is not normalised
+  Vec3 normal(const Vec3& n) const;
   Vec2 point2(const Vec2& p) const;  ///< applies the x, y rows to (x, y, 0, 1), for texture coordinates
 
   bool operator==(const Transform& b) const { return m_ == b.m_; }

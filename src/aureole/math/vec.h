@@ -10,7 +10,7 @@ namespace aureole {
 
 inline constexpr float kPi = 3.14159265358979323846f;
 inline constexpr double kPiD = 3.14159265358979323846;
-inline constexpr double kDegree = kPiD / 180;  ///< [rad]
+inline constexpr double kDegree = kPiD / 180;  ///< one degree [rad]
 inline constexpr float kInvPi = 0.31830988618379067154f;
 inline constexpr float kInfinity = 3.4e38f;
 
@@ -76,7 +76,7 @@ inline float squared_distance(const Bounds3& a, const Bounds3& b) {
 struct Frame {
   Vec3 s{1, 0, 0}, t{0, 1, 0}, n{0, 0, 1};
 
-  /// Some frame around a unit normal (Duff et al. 2017, "Building an orthonormal basis, revisited").
+  /// Returns some frame around a unit normal (Duff et al. 2017, "Building an orthonormal basis, revisited").
   static Frame from_normal(const Vec3& n) {
     const float sign = std::copysign(1.f, n.z);
     const float a = -1.f / (sign + n.z);
@@ -96,7 +96,7 @@ struct Frame {
   Vec3 to_world(const Vec3& v) const { return s * v.x + t * v.y + n * v.z; }
 };
 
-/// A ray from `o` along `d` (unit length unless said otherwise), valid for distances in (0, t_max).
+/// A ray from `o` along `d` (of unit length unless stated otherwise), valid for distances in (0, t_max).
 struct Ray {
   Vec3 o, d;
   float t_max = kInfinity;

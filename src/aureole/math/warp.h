@@ -18,7 +18,8 @@ inline float remap_below(float u, float p) { return std::min(u / p, kOneMinusEps
 inline float remap_above(float u, float p) { return std::min((u - p) / (1 - p), kOneMinusEpsilon); }
 
 namespace detail {
-/// (cos a, sin a) for |a| <= pi/4; errors below 1.2e-7 (the polynomials of S. Moshier's Cephes library).
+/// Returns (cos a, sin a) for |a| <= pi/4; errors below 1.2e-7 (the polynomials of S. Moshier's Cephes
+/// library).
 inline Vec2 cos_sin_quarter(float a) {
   const float a2 = a * a;
   const float c = 1 + a2 * (-0.5f + a2 * (4.166664568e-2f + a2 * (-1.388731625e-3f + a2 * 2.443315712e-5f)));
@@ -27,7 +28,7 @@ inline Vec2 cos_sin_quarter(float a) {
 }
 }  // namespace detail
 
-/// (cos, sin) of 2 pi u for u in [0, 1].
+/// Returns (cos, sin) of 2 pi u for u in [0, 1].
 inline Vec2 cos_sin_2pi(float u) {
   const int quadrant = int(4 * u + 0.5f);
   const Vec2 a = detail::cos_sin_quarter(2 * kPi * (u - 0.25f * float(quadrant)));
@@ -91,7 +92,7 @@ inline constexpr float uniform_sphere_pdf() { return 0.25f * kInvPi; }
 /// Maps uniformly to the cone around +z of half-angle alpha, given by `one_minus_cos` = 1 - cos(alpha), which
 /// keeps narrow cones exact.
 inline Vec3 square_to_uniform_cone(Vec2 u, float one_minus_cos) {
-  const float x = u.x * one_minus_cos;  // 1 - cos(theta)
+  const float x = u.x * one_minus_cos;  // x is 1 - cos(theta)
   const float r = std::sqrt(std::max(x * (2 - x), 0.f));
   const Vec2 a = cos_sin_2pi(u.y);
   return {r * a.x, r * a.y, 1 - x};

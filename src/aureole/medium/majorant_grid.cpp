@@ -136,7 +136,7 @@ bool MajorantGrid::Walk::next(Piece& piece) {
 /// Advances to the exit of the aligned block of 2^level cells along each axis that contains the current cell.
 void MajorantGrid::Walk::cross_empty_block(int level) {
   const int mask = (1 << level) - 1;
-  int inside[3];  // cells of the block after the current one along each axis
+  int inside[3];  // number of cells of the block after the current one along each axis
   float far[3];
   int axis = 0;
   for (int i = 0; i < 3; ++i) {
@@ -147,7 +147,7 @@ void MajorantGrid::Walk::cross_empty_block(int level) {
   }
   const float to = far[axis];
   t_ = std::max(t_, to);
-  if (inside[axis] == left_[axis] || !(to < end_)) {  // leaves the grid or passes the ray's end
+  if (inside[axis] == left_[axis] || !(to < end_)) {  // The ray leaves the grid, or ends within the block.
     t_ = end_;
     return;
   }

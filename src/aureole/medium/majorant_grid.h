@@ -18,14 +18,14 @@ public:
   /// `to_box` maps world space to the box [0, 1]^3, which is divided into cells of equal size. `bounds` has
   /// one value per cell, x fastest.
   MajorantGrid(const Transform& to_box, const std::array<int, 3>& cells, std::vector<float> bounds);
-  /// The bounds of `grid`, shared with it, in another place: `to_its_world` maps world space to the space in
+  /// Shares the bounds of `grid` under another transform: `to_its_world` maps world space to the space in
   /// which `grid` lies.
   MajorantGrid(const MajorantGrid& grid, const Transform& to_its_world);
 
   /// A segment of a ray along which one bound holds.
   struct Piece {
     float begin, end;  ///< distances along the ray
-    float bound;       ///< positive
+    float bound;       ///< upper bound of the density, positive
   };
 
   /// Traverses a ray's segments in order, from its origin to the distance t_max (Amanatides & Woo 1987, "A

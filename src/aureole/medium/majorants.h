@@ -26,13 +26,14 @@ public:
   /// The largest bound.
   float max_bound() const { return grid_ ? grid_->maximum() : 1.f; }
 
-  /// Where the density varies: the transform from the world to the box [0, 1]^3, outside of which it is 0,
-  /// and the number of cells in which a sampler may describe it along each axis.
+  /// The transform from the world to the box [0, 1]^3, outside of which the density is 0. Only for a density
+  /// that varies.
   const Transform& to_box() const { return grid_->to_box(); }
   const std::array<int, 3>& cells() const { return grid_->cells(); }
 
   /// Calls visit(segment) for the segments of a ray of unit direction from its origin to the distance t_max,
-  /// in order, until it returns true; segments with a bound of 0 are left out. Returns whether it did.
+  /// in order, until `visit` returns true; segments with a bound of 0 are left out. Returns whether `visit`
+  /// has returned true.
   template <class Visit>
   bool visit_segments(const Ray& ray, float t_max, Visit&& visit) const {
     if (!grid_) return visit(MajorantSegment{0, t_max, 1});
@@ -44,7 +45,7 @@ public:
   }
 
 private:
-  const MajorantGrid* grid_ = nullptr;  ///< null: the density is 1
+  const MajorantGrid* grid_ = nullptr;  ///< grid of bounds; null: the density is 1 everywhere
 };
 
 }  // namespace aureole

@@ -28,12 +28,12 @@ public:
   virtual void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const = 0;
   virtual const PhaseFunction& phase() const = 0;
 
-  /// Bounds b with which sigma_t(p, d, w) <= b majorant(d, w). Where they do not vary, sigma_t is majorant(d,
-  /// w) everywhere.
+  /// Upper bounds of the density, with sigma_t(p, d, w) <= bound majorant(d, w). Where the density does not
+  /// vary, sigma_t is majorant(d, w) everywhere.
   virtual Majorants majorants() const { return {}; }
   virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
 
-  /// Whether `eval` is constant in space; `has_uniform_emission` says so of the emission alone.
+  /// Whether `eval` is constant in space. `has_uniform_emission` says whether the emission is.
   virtual bool is_uniform() const = 0;
   virtual bool has_uniform_emission() const = 0;
   virtual bool emits() const = 0;

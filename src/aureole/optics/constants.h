@@ -8,7 +8,7 @@
 namespace aureole::optics {
 
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kDegree = kPi / 180;  ///< [rad]
+inline constexpr double kDegree = kPi / 180;  ///< one degree [rad]
 
 using Complex = std::complex<double>;
 

@@ -29,7 +29,7 @@ std::complex<double> gaussian_wave_integral(double a, double b, double beta) {
   if (a > b) return -gaussian_wave_integral(b, a, beta);
   if (a >= 0) return upper_tail(a, beta) - upper_tail(b, beta);
   if (b <= 0) return std::conj(upper_tail(-b, beta) - upper_tail(-a, beta));
-  // The integral over the whole line minus both tails.
+  // The integral over the whole line minus the integrals over both tails.
   return std::sqrt(pi) * std::exp(-beta * beta) - upper_tail(b, beta) - std::conj(upper_tail(-a, beta));
 }
 

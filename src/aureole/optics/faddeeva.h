@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The error function of complex arguments by libcerf (Johnson & Wuttke), with relative errors near 1e-13, and
-// the functions of it that edge diffraction needs. Time dependence exp(-i omega t).
+// functions derived from it that edge diffraction needs. Time dependence exp(-i omega t).
 #pragma once
 
 #include <complex>
@@ -25,7 +25,8 @@ std::complex<double> fresnel_integral(double v);
 /// above the line from the source, at the distance d1 from the source and d2 from the observer. The result
 /// has full relative accuracy also deep in the shadow.
 std::complex<double> knife_edge_field(double v);
-/// Returns |knife_edge_field|^2, the intensity over that without the half plane; 1/4 at the shadow boundary.
+/// Returns |knife_edge_field|^2, the intensity relative to the intensity without the half plane; 1/4 at the
+/// shadow boundary.
 double knife_edge_intensity(double v);
 
 }  // namespace aureole::optics

@@ -14,15 +14,16 @@ std::vector<std::pair<double, double>> read_two_columns(std::istream& text) {
   std::vector<std::pair<double, double>> rows;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // skips the byte order mark
     line.resize(std::min(line.find('#'), line.size()));
     std::string plain = line;
-    const bool has_semicolons = line.find(';') != line.npos;  // numbers may have decimal commas then
+    // whether semicolons separate numbers, which may then have decimal commas
+    const bool has_semicolons = line.find(';') != line.npos;
     std::replace(plain.begin(), plain.end(), ',', has_semicolons ? '.' : ' ');
     std::replace(plain.begin(), plain.end(), ';', ' ');
     if (line.find_first_of("0123456789") <
         line.find_first_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"))
-      std::erase(plain, '"');  // of quoted numbers
+      std::erase(plain, '"');  // removes the quotation marks of quoted numbers
     std::istringstream words(plain);
     words.imbue(std::locale::classic());
     if (!(words >> std::ws) || words.eof()) continue;

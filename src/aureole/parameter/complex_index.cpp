@@ -10,8 +10,8 @@
 namespace aureole {
 namespace {
 
-/// Reads the index of a default material with its dispersion. `Ior` would use the constant of other
-/// renderers, which have no Mie scattering; the rainbow of a default droplet would then have no colours.
+/// Reads the index of a default material with its dispersion. `Ior` would use the constant index of other
+/// renderers, and the rainbow of a default droplet would then have no colours.
 SampledSpectrum real_index(const Properties& p, std::string_view name, const std::string& fallback) {
   const SpectralGrid& grid = p.context().grid;
   if (!p.find(name) && p.get_bool("dispersion", true))

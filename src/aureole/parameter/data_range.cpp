@@ -14,7 +14,7 @@ std::string range_text(double min_nm, double max_nm) {
 void note_data_range(const Properties& properties, std::string_view name, const std::string& subject,
                      const WavelengthRange& data) {
   const SpectralGrid& grid = properties.context().grid;
-  // Wavelengths given as frequencies are rounded.
+  // Tolerance for the rounding of wavelengths that are given as frequencies.
   const double tolerance = 1e-9 * grid.max_nm;
   std::string outside;
   if (grid.min_nm < data.min_nm - tolerance)

@@ -20,8 +20,8 @@ constexpr double kSodiumD = 589.3;
 
 void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
                        const RefractiveIndex& index) {
-  // Scenes with the default sensor (360-830 nm) always load: the eye is insensitive at the ends of that
-  // range.
+  // The visible range, in which a scene always loads: the default sensor covers 360-830 nm, and the eye is
+  // insensitive at its ends.
   constexpr SpectralGrid kVisible;
   const SpectralGrid& grid = properties.context().grid;
   const bool below = grid.min_nm<index.min_nm(), above = grid.max_nm> index.max_nm();
@@ -69,11 +69,11 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
     if (!constant)
       throw properties.error(name, "unknown material \"" + material + "\"" +
                                        did_you_mean_or_all(material, refractive_index_names()));
-    // A material that is tabulated even without dispersion is a conductor.
+    // A material that is tabulated even without dispersion is a conductor, which is an error here.
     if (constant->is_dispersive())
       throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
-    // A default is the constant index of other renderers, for equal pictures. A material named in the scene
-    // has its dispersion.
+    // A default material has the constant index of other renderers, for equal pictures. A material named in
+    // the scene has its dispersion.
     const auto index = find_refractive_index(material, named && may_disperse);
     ior.constant_ = float(index->at(kSodiumD).real());
     if (!index->is_dispersive()) return ior;

@@ -26,7 +26,7 @@ public:
   static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
   Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
   bool is_dispersive() const { return dispersive_; }
-  /// The index at the sodium D line (589.3 nm) or the constant.
+  /// Returns the index at the sodium D line (589.3 nm), or the constant.
   float at_sodium_d() const { return constant_; }
 
 private:

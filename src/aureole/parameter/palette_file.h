@@ -26,7 +26,7 @@ std::vector<double> recipe_fractions(const pigment::Palette& palette, const std:
 /// Notes, at the parameter that named the palette, where the film's range exceeds its wavelengths.
 void note_palette_range(const Properties& properties, std::string_view name, const pigment::Palette& palette);
 
-/// K and S on a scene's grid.
+/// Coefficients K and S (Kubelka and Munk) on a scene's grid.
 struct SampledPaint {
   SampledSpectrum k, s;
 };

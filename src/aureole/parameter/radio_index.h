@@ -21,7 +21,7 @@ std::optional<std::function<std::complex<double>(double)>> radio_index(const Pro
                                                                        std::string_view name,
                                                                        const std::string& material);
 
-/// Returns the names of these materials, with the prefix.
+/// Returns the names of the building materials, with the prefix "itu_".
 std::vector<std::string> radio_material_names();
 
 }  // namespace aureole

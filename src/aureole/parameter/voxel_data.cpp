@@ -17,7 +17,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the format is little-endian");
 
-/// Far beyond any grid that fits into memory, and small enough that products of three do not overflow.
+/// Upper bound of a size, far beyond any grid that fits into memory; products of three such sizes do not
+/// overflow.
 constexpr std::int64_t kLongest = 1 << 20;
 
 struct Header {
@@ -87,8 +88,8 @@ VoxelData read_vol(const std::filesystem::path& file) {
   for (std::size_t i = 0; i < 3; ++i)
     data.size[i] = h.size[i], data.lower[i] = double(h.box[i]), data.upper[i] = double(h.box[3 + i]);
   data.channels = h.channels;
-  // Compared with the size of the file before memory is allocated, since a damaged header may claim any
-  // number.
+  // The count is compared with the size of the file before memory is allocated, since a damaged header may
+  // state any number.
   const std::uint64_t count = std::uint64_t(h.size[0]) * std::uint64_t(h.size[1]) * std::uint64_t(h.size[2]);
   const std::uint64_t bytes_per_voxel = bytes_per_number(h.encoding) * std::uint64_t(h.channels);
   const std::uint64_t present = file_bytes - sizeof h;
@@ -149,7 +150,7 @@ VoxelData read_voxels(const Properties& p, const char* array) {
     check_finite(data);
     return data;
   } catch (const Error& problem) {
-    if (!given && file.empty()) throw;  // located by get_file
+    if (!given && file.empty()) throw;  // get_file has located the error already
     throw p.error(voxels_parameter(p, array),
                   given ? problem.message() : "\"" + file + "\" " + problem.message());
   }

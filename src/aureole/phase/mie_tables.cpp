@@ -18,7 +18,7 @@ double size_parameter(const optics::RadiusDistribution& radii, double host_index
   return 2 * M_PI * host_index * radii.effective_radius() * 1e9 / nm;
 }
 
-/// Returns the number of steps of the first set of wavelengths, which must resolve what oscillates, so that the
+/// Returns the number of steps of the first set of wavelengths, which must resolve oscillations, so that the
 /// agreement in the middle of a step is not accidental. Features move in proportion to the size parameter x.
 /// Resonances of spheres of one size repeat over about one unit of x; a spread of sizes blurs them. Rainbows
 /// are not blurred: dispersion turns the rainbow of water by some 3 degrees per unit of ln(lambda). It is 120
@@ -35,8 +35,9 @@ double first_steps(const SpectralGrid& grid, const optics::RadiusDistribution& r
 
 using Coefficients = optics::EnsembleCoefficients;
 
-// Errors of interpolation between `a` and `b` at `c`, over their tolerances. The errors of the averages over
-// radii are added to the tolerances: finer steps would resolve noise.
+// The following functions return errors of interpolation between `a` and `b` at `c`, relative to their
+// tolerances. The errors of the averages over radii are added to the tolerances, since finer steps would
+// resolve noise.
 
 /// Returns the error of the phase function and the asymmetry, which are linear, at the fraction t of the step.
 double phase_error(const Coefficients& a, const Coefficients& b, const Coefficients& c, double t) {
@@ -68,7 +69,7 @@ double interpolated_scattering(const Coefficients& a, const Coefficients& b, dou
 /// The ratio of the absorption to its estimate is interpolated; where neither end absorbs, the ratio is taken as 1.
 double interpolated_absorption(const Coefficients& a, const Coefficients& b, double nm,
                                const optics::SpectralFunction& estimate) {
-  constexpr double kRounding = 1e-10;  // of the extinction: less than that is no absorption
+  constexpr double kRounding = 1e-10;  // smallest absorption that counts, relative to the extinction
   const auto ratio = [&](const Coefficients& c) {
     const double estimated = estimate(c.lambda_nm);
     return estimated > 0 && c.absorption > kRounding * c.extinction() ? c.absorption / estimated : 0;
@@ -97,8 +98,8 @@ double fraction_of(const Coefficients& a, const Coefficients& b, const Coefficie
   return (c.lambda_nm - a.lambda_nm) / (b.lambda_nm - a.lambda_nm);
 }
 
-/// Returns how many phase functions may be tabulated. Their time is proportional to their number, the number
-/// of radii, the size parameter and the number of angles.
+/// Returns the number of phase functions that may be tabulated. Their time is proportional to their number,
+/// the number of radii, the size parameter and the number of angles.
 std::size_t most_phases(const std::vector<Coefficients>& all, double size) {
   std::size_t radii = 1;
   for (const Coefficients& c : all) radii = std::max(radii, c.radii);
@@ -174,7 +175,7 @@ MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::Radiu
     size = std::max(size, size_parameter(r, host_index, grid.min_nm));
   const int steps = int(std::min(std::ceil(count), double(grid.cells)));
   const bool is_single = std::all_of(radii.begin(), radii.end(), [](const auto& r) { return r.is_single(); });
-  std::map<int, Coefficients> found;  // by the index of the grid's node
+  std::map<int, Coefficients> found;  // coefficients by the index of the grid's node
   const auto find = [&](const std::vector<int>& nodes) {
     std::vector<double> nm;
     for (const int i : nodes) nm.push_back(grid.node(i));
@@ -183,7 +184,7 @@ MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::Radiu
   };
   std::vector<int> nodes;
   for (int i = 0; i <= steps; ++i) {
-    // Uniform in 1/lambda, as size parameters are.
+    // Steps are uniform in 1/lambda, as size parameters are.
     const double nm = 1 / std::lerp(1 / grid.min_nm, 1 / grid.max_nm, double(i) / steps);
     const int node = std::clamp(int(std::lround((nm - grid.min_nm) / grid.step())), 0, grid.cells);
     if (nodes.empty() || node > nodes.back()) nodes.push_back(node);
@@ -230,7 +231,7 @@ optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution
   for (const optics::RadiusDistribution& r : radii) x = std::max(x, size_parameter(r, host_index, nm));
   optics::EnsembleAccuracy a;
   a.averaging = 1.5e-3, a.least_absorption = 1e-4, a.phase_averaging = 7e-3;
-  // The cost grows as the square of the size, times the number of radii.
+  // Bound of the number of radii: the cost grows as the square of the size, times the number of radii.
   a.most_radii = std::size_t(std::clamp(1e6 / x, 128.0, 4096.0));
   a.most_coefficient_radii = std::size_t(std::clamp(1e6 / x, 1024.0, 8192.0));
   a.phase.relative = 1e-2, a.phase.floor = 1e-3;

@@ -14,7 +14,7 @@ namespace aureole {
 
 /// Coefficients and phase functions over the wavelengths of a film, computed where interpolation needs them.
 struct MieSpectrum {
-  /// At increasing wavelengths, which are nodes of the grid.
+  /// Coefficients at increasing wavelengths, which are nodes of the grid.
   std::vector<optics::EnsembleCoefficients> coefficients;
   /// The wavelengths [nm], some of those of `coefficients`, at which phase functions are needed; between them
   /// phase functions are linear.
@@ -23,8 +23,8 @@ struct MieSpectrum {
   /// `Suspension::straight_absorption`.
   optics::SpectralFunction estimated_absorption;
 
-  /// Interpolate between the nodes: scattering as a power of the wavelength, absorption as such a power times
-  /// its estimate.
+  /// Interpolated between the nodes: scattering as a power of the wavelength, absorption as such a power
+  /// times its estimate.
   double scattering(double nm) const;
   double absorption(double nm) const;
 

@@ -15,18 +15,18 @@
 namespace aureole {
 
 struct PhaseContext {
-  const Wavelengths& wavelengths;  ///< index 0 is the hero
-  Vec3 p;                          ///< the point in world space
+  const Wavelengths& wavelengths;  ///< wavelengths of the path; index 0 is the hero
+  Vec3 p;                          ///< the scattering point in world space
 };
 
 struct PhaseEval {
-  Spectrum value{0.f};  ///< [1/sr]
+  Spectrum value{0.f};  ///< value of the phase function [1/sr]
   Spectrum pdf{0.f};    ///< pdf of sampling wo with `sample` [1/sr], per wavelength
 };
 
 struct PhaseSample {
   Vec3 wo;
-  Spectrum value, pdf;  ///< as `eval_pdf` gives them for wo; pdf[0] > 0
+  Spectrum value, pdf;  ///< value and pdf as `eval_pdf` returns them for wo; pdf[0] > 0
 };
 
 class PhaseFunction : public Object {
@@ -46,7 +46,7 @@ public:
   virtual float largest_projected_area() const { return 1; }
   /// Whether `projected_area` is 1 and the value depends only on the angle between wi and wo.
   virtual bool is_isotropic_medium() const { return true; }
-  /// Whether the values are the same at all points.
+  /// Whether the phase function is equal at all points.
   virtual bool is_uniform() const { return true; }
   /// Whether `sample` uses u1.
   virtual bool needs_choice() const { return false; }

@@ -35,7 +35,7 @@ public:
       volume_ = nullptr;
       return;
     }
-    // The largest eigenvalue is at most the trace.
+    // Bound of the projected area by the largest eigenvalue of S, which is at most its trace.
     largest_area_ = std::sqrt(3 * std::max(volume_->maximum(), 1e-12f));
     // Empty space is replaced by the unit matrix.
     largest_area_ = std::max(largest_area_, 1.f);
@@ -71,7 +71,7 @@ private:
     if (!Flakes::is_valid(s))
       throw p.error("S", "the matrix is not positive definite, or too flat for single precision");
     constant_ = Flakes(s);
-    // The largest eigenvalue is at most the largest absolute row sum (Gershgorin).
+    // Bound of the largest eigenvalue: it is at most the largest absolute row sum (Gershgorin).
     const float x = s[0] + std::abs(s[3]) + std::abs(s[4]), y = s[1] + std::abs(s[3]) + std::abs(s[5]),
                 z = s[2] + std::abs(s[4]) + std::abs(s[5]);
     largest_area_ = std::sqrt(std::max({x, y, z}));
@@ -85,7 +85,7 @@ private:
   }
 
   Flakes constant_;
-  std::shared_ptr<const Volume> volume_;  // null: S is constant
+  std::shared_ptr<const Volume> volume_;  // volume of S; null: S is constant
   float largest_area_ = 1;
 };
 

@@ -26,7 +26,7 @@ inline TabulatedPhase tabulate(const optics::PhaseTables& phases, std::span<cons
 
 class TabulatedPhaseFunction : public PhaseFunction {
 public:
-  /// `properties`: of the plug-in that computes the table. `table`: null in a scene with errors.
+  /// `properties` belong to the plug-in that computes the table. `table` is null in a scene with errors.
   TabulatedPhaseFunction(const Properties& properties, std::shared_ptr<const TabulatedPhase> table)
       : PhaseFunction(properties), table_(std::move(table)) {}
 

@@ -68,7 +68,7 @@ std::optional<SpectralField> spectral(const std::string& name) {
 /// One table of the file, unprocessed.
 struct Table {
   std::map<std::string, TextRow> keywords;  ///< the line of each keyword; its value is the second cell
-  int line = 0;                             ///< line number of its fields
+  int line = 0;                             ///< line number of the table's list of fields
   std::vector<TextCell> fields;
   std::vector<int> field_lines;
   std::vector<TextRow> rows;
@@ -147,7 +147,7 @@ private:
     while (const auto row = words()) {
       if (row->cells.size() == 1 && upper_case(row->cells.front().text) == "END_DATA") {
         check_count("NUMBER_OF_SETS", table_.rows.size(), "rows", begin.line);
-        // These two apply to one table only; other keywords apply to the next one as well.
+        // These two keywords apply to one table only; other keywords apply to the next table as well.
         table_.keywords.erase("NUMBER_OF_SETS"), table_.keywords.erase("NUMBER_OF_FIELDS");
         return;
       }
@@ -189,7 +189,8 @@ SampleTable samples_of(const Table& t) {
       throw TextError(row.line, row.cells[1].column, "SPECTRAL_NORM must be 1 or 100, got " + norm);
     percent = value == 100;
   }
-  // Pairs of fields SPECTRAL_NM and SPECTRAL_DEC or SPECTRAL_PCT: the wavelength stands in the data.
+  // Pairs of fields SPECTRAL_NM and SPECTRAL_DEC or SPECTRAL_PCT, whose wavelengths are part of the data
+  // rows.
   for (std::size_t i = 0; i + 1 < t.fields.size(); ++i) {
     const std::string next = upper_case(t.fields[i + 1].text);
     if (upper_case(t.fields[i].text) != "SPECTRAL_NM" || (next != "SPECTRAL_DEC" && next != "SPECTRAL_PCT"))

@@ -24,13 +24,13 @@ double hue(double a, double b) {
   return h < 0 ? h + kTurn : h;
 }
 
-/// sqrt(C^7/(C^7 + 25^7)).
+/// Returns sqrt(C^7/(C^7 + 25^7)) of a chroma C (CIEDE2000).
 double chroma_factor(double chroma) {
   const double c2 = chroma * chroma, c7 = c2 * c2 * c2 * chroma;
   return std::sqrt(c7 / (c7 + 6103515625.0));
 }
 
-/// Mean of two hue angles on the circle; their sum if one of the colours is grey.
+/// Mean of two hue angles on the circle; their sum if one of the colours is grey (CIEDE2000).
 double mean_hue(double h1, double h2, bool grey) {
   if (grey) return h1 + h2;
   const double sum = h1 + h2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures of the trade for one colour or a pair: whiteness, yellowness, metamerism.
+// Indices for one colour or a pair of colours: whiteness, yellowness, metamerism.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,7 @@ struct Whiteness {
   /// Whether the sample is a white for which the formulas hold: 40 < W < 5 Y - 280 and -4 < T < 2.
   bool is_valid = false;
 };
-/// `xyz` is relative to `white`, as `Observation` has both.
+/// Whiteness of a sample. `xyz` is relative to `white`; `Observation` has both.
 Whiteness cie_whiteness(const Xyz& xyz, const Xyz& white, Field field);
 
 /// Yellowness index YI = 100 (C_x X - C_z Z)/Y of ASTM E313-20, section 6. Nothing for illuminants other than C and
@@ -38,9 +38,9 @@ std::optional<double> yellowness(const Xyz& xyz, std::string_view illuminant, Fi
 using DifferenceFormula = std::function<double(const Lab&, const Lab&)>;
 
 /// Special metamerism index, change of illuminant or observer (CIE 15:2018, 9.2.2; DIN 6172): the difference of two
-/// reflectances under `test`. What they differ under `reference` is removed first: the sample's X, Y, Z under `test`
-/// are multiplied by the ratios of the standard's to the sample's under `reference` (multiplicative correction of
-/// Brockes). A pair that matches under `reference` is not changed.
+/// reflectances under `test`. Their difference under `reference` is removed first: the sample's X, Y, Z under
+/// `test` are multiplied by the ratios of the standard's to the sample's under `reference` (multiplicative
+/// correction of Brockes). A pair that matches under `reference` is not changed.
 double metamerism_index(const Observation& reference, const Observation& test,
                         std::span<const double> standard, std::span<const double> sample,
                         const DifferenceFormula& formula = cie1976);

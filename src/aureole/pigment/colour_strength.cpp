@@ -7,7 +7,7 @@
 namespace aureole::pigment {
 namespace {
 
-/// K/S by wavelength of an opaque layer that was measured.
+/// K/S by wavelength of an opaque layer, from its measured reflectance.
 std::vector<double> ratios(std::span<const double> nm, std::span<const double> reflectance,
                            const Surface& surface, const char* what) {
   if (reflectance.size() != nm.size())

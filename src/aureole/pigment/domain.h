@@ -19,7 +19,8 @@ inline std::string number_text(double value) {
 inline void require(bool ok, double value, const std::string& name, const char* rule) {
   if (!ok) throw std::domain_error(name + " " + rule + ", got " + number_text(value));
 }
-/// Makes a string of the name only for an error: innermost loops check their arguments.
+/// Throws like the function above. It makes a string of the name only for an error, since innermost loops
+/// check their arguments.
 inline void require(bool ok, double value, const char* name, const char* rule) {
   if (!ok) require(false, value, std::string(name), rule);
 }

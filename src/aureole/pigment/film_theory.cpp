@@ -19,10 +19,10 @@ namespace {
 FilmValue two_flux_over(double ln_k, double ln_s, double substrate) {
   const double k = std::exp(ln_k), s = std::exp(ln_s), ratio = k / s;
   const double a = 1 + ratio, b = std::sqrt(ratio * (2 + ratio)), z = b * s;
-  // c and its derivatives by the ratio at fixed S, and by ln S at a fixed ratio.
+  // c = b coth(b S) with its derivatives by the ratio K/S at fixed S, and by ln S at a fixed ratio.
   double c, c_by_ratio, c_by_ln_s;
   if (z < 1e-3) {
-    // c = 1/S + z b/3 + ..., where z b = b^2 S.
+    // Series for small z = b S: c = 1/S + z b/3 + ..., where z b = b^2 S.
     c = 1 / s + b * z / 3;
     c_by_ratio = 2 * a * s / 3;
     c_by_ln_s = -1 / s + b * z / 3;
@@ -104,7 +104,7 @@ struct FilmParts {
   double body = 0;    ///< light that never reached the card
   double down = 0;    ///< fraction of the incident light that arrives at the card
   double up = 0;      ///< fraction of the card's diffuse light that the instrument receives
-  double inside = 0;  ///< fraction of the card's diffuse light that comes back to it
+  double inside = 0;  ///< fraction of the card's diffuse light that returns to the card
 };
 
 class Streams final : public FilmTheory {
@@ -114,7 +114,7 @@ public:
       throw std::domain_error("the binder's index must be in [1, 4]");
     if (!(std::abs(settings.g) <= 0.95)) throw std::domain_error("the mean cosine must be in [-0.95, 0.95]");
     if (settings.varies_g) {
-      // Mean cosines of the tables, as steps of ln(1 - g) from the theory's own.
+      // Mean cosines of the tables, as steps of ln(1 - g) from the g of the settings.
       const double isotropy = 1 - settings.g;
       first_g_ = -std::min(kMostSteps, int(std::log(isotropy / kLeastIsotropy) / kStepG));
       last_g_ = std::min(kMostSteps, int(std::log(kMostIsotropy / isotropy) / kStepG));
@@ -132,7 +132,7 @@ public:
           }
         },
         8);
-    // Without a film, by the interface alone.
+    // The parts without a film, by the interface alone.
     const FilmParts bare = solve(1e-9, 1e-9, settings_.g);
     bare_ = bare.down * bare.up, bare_inside_ = bare.inside;
     const auto reflected = [&] {
@@ -183,11 +183,12 @@ private:
   static constexpr double kStep = 0.125, kFirstK = -11.5, kLastK = 5.5, kFirstS = -6.5, kLastS = 7.25;
   static constexpr int kAcross = int((kLastK - kFirstK) / kStep) + 1,
                        kDown = int((kLastS - kFirstS) / kStep) + 1;
-  /// Distance of tables in ln(1 - g), the number of them on each side of the theory's own g, and bounds of 1 - g.
+  /// Step of ln(1 - g) between tables, the number of tables on each side of the g of the settings, and bounds
+  /// of 1 - g.
   static constexpr double kStepG = 0.3, kLeastIsotropy = 0.05, kMostIsotropy = 1.3;
   static constexpr int kMostSteps = 4;
 
-  using Node = std::array<float, 4>;  ///< ln body, ln down, ln up, inside
+  using Node = std::array<float, 4>;  ///< ln body, ln down, ln up, and inside of `FilmParts`
   struct Interpolated {
     std::array<double, 4> value, by_k, by_s, by_g;
   };
@@ -196,7 +197,7 @@ private:
     throw std::domain_error("free films are not part of the theory by streams; use two fluxes");
   }
 
-  /// Light as the instrument sends it; by reciprocity d:8 is 8:d.
+  /// Illumination of the instrument; by reciprocity d:8 is computed as 8:d.
   optics::StackLight light() const {
     switch (settings_.geometry) {
       case Geometry::diffuse_diffuse:
@@ -213,7 +214,7 @@ private:
     optics::StackDescription stack;
     stack.layers = {
         {k / 2, 4. / 3 * s / (1 - g), 1, optics::LegendrePhase::henyey_greenstein(g), settings_.index}};
-    stack.index_below = settings_.index;  // in contact with the card
+    stack.index_below = settings_.index;  // no interface below: the film is in contact with the card
     const bool at_normal = settings_.geometry == Geometry::angle_45_0;
     // Radiance along the normal has the azimuthal mode 0 only.
     const optics::PlaneStack solver(stack, {settings_.streams, true, at_normal ? 1 : 0});
@@ -243,7 +244,7 @@ private:
     d[2] = 0.5 * (1 + 8 * t - 9 * t2), d[3] = 0.5 * (-2 * t + 3 * t2);
   }
 
-  /// The table of one mean cosine, `table` steps from the theory's own.
+  /// Interpolates in the table of one mean cosine, `table` steps from the g of the settings.
   Interpolated at(double ln_k, double ln_s, int table) const {
     const double x = (std::clamp(ln_k, kFirstK, kLastK) - kFirstK) / kStep,
                  y = (std::clamp(ln_s, kFirstS, kLastS) - kFirstS) / kStep;
@@ -285,8 +286,8 @@ private:
   }
 
   StreamsSettings settings_;
-  int first_g_ = 0, last_g_ = 0;  ///< tables, in steps of ln(1 - g) from the theory's own g
-  std::vector<Node> nodes_;       ///< by table, ln K, ln S
+  int first_g_ = 0, last_g_ = 0;  ///< first and last table, in steps of ln(1 - g) from the g of the settings
+  std::vector<Node> nodes_;       ///< values by table, ln K, ln S
   double bare_ = 1, bare_inside_ = 0, gloss_ = 0;
 };
 

@@ -17,7 +17,7 @@ namespace aureole::pigment {
 
 /// The interface and the phase function of the theory by streams.
 struct StreamsSettings {
-  double index = 1.5;  ///< of the binder, relative to air
+  double index = 1.5;  ///< index of refraction of the binder, relative to air
   double g = 0.8;      ///< mean cosine of Henyey and Greenstein's phase function
   Geometry geometry = Geometry::diffuse_8;
   Specular specular = Specular::excluded;
@@ -26,7 +26,7 @@ struct StreamsSettings {
   bool varies_g = false;
 };
 
-/// A measured reflectance or transmittance by a theory, and its derivatives.
+/// A measured reflectance or transmittance as a theory predicts it, with its derivatives.
 struct FilmValue {
   double value = 0;
   double by_ln_k = 0, by_ln_s = 0;  ///< derivatives by ln K and ln S
@@ -34,11 +34,11 @@ struct FilmValue {
   double by_g_shift = 0;            ///< derivative by `FilmLayer::g_shift`
 };
 
-/// A layer of paint as the theories of a film take it.
+/// A layer of paint as the input of a film theory.
 struct FilmLayer {
   double ln_k = 0, ln_s = 0;
-  /// ln((1 - g)/(1 - g0)), with g the mean cosine of scattering in this layer and g0 the theory's own. Theories
-  /// without directions ignore it.
+  /// ln((1 - g)/(1 - g0)), with g the mean cosine of scattering in this layer and g0 the theory's
+  /// `mean_cosine`. Theories without directions ignore it.
   double g_shift = 0;
 };
 
@@ -46,16 +46,16 @@ class FilmTheory {
 public:
   virtual ~FilmTheory() = default;
   virtual std::string name() const = 0;
-  /// Inner reflectance, in [0, 1], of a card that was measured bare. The card is taken for a Lambertian surface
-  /// under an interface like the paint's. Values below the interface's own reflectance give 0.
+  /// Inner reflectance, in [0, 1], of a card that was measured bare. The card is assumed to be a Lambertian
+  /// surface under an interface like the paint's. Values below the interface's own reflectance give 0.
   virtual double card(double measured) const = 0;
-  /// The theory's own mean cosine g0, if layers may have another one (`FilmLayer::g_shift`).
+  /// The mean cosine g0 of the theory, if layers may differ from it (`FilmLayer::g_shift`).
   virtual std::optional<double> mean_cosine() const { return std::nullopt; }
-  /// The settings of a theory by streams.
+  /// The settings of a theory by streams; nothing for other theories.
   virtual std::optional<StreamsSettings> streams() const { return std::nullopt; }
-  /// A film over a card of this inner reflectance.
+  /// Reflectance of a film over a card of this inner reflectance.
   virtual FilmValue over(const FilmLayer& layer, double substrate) const = 0;
-  /// A layer so thick that nothing below it matters; of K and S only K/S counts.
+  /// Reflectance of a layer so thick that nothing below it matters; of K and S only K/S counts.
   virtual FilmValue opaque(const FilmLayer& layer) const = 0;
   /// Reflectance or transmittance of a free film with an interface on each side. Throws std::domain_error if the
   /// theory does not include free films.
@@ -69,8 +69,8 @@ std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface);
 /// Radiative transfer by discrete ordinates (optics/stack). Solutions are tabulated once over ln K and ln S
 /// (some 0.5 s) and interpolated by cubic polynomials, with an error below 1e-4 in reflectance. With `varies_g`
 /// there is such a table for each of up to nine mean cosines, 0.3 of ln(1 - g) apart, with 1 - g from 0.05 to 1.3
-/// and no more than a factor of 3.3 from that of `g`; layers beyond have the nearest of them. Free
-/// films are not included.
+/// and no more than a factor of 3.3 from 1 - `g`; layers beyond use the nearest table. Free films are not
+/// included.
 std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings,
                                            const ParallelFor& threads = serial_for);
 

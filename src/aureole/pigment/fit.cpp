@@ -49,7 +49,7 @@ public:
 
   const std::vector<Group>& groups() const { return groups_; }
 
-  /// The mean of each group, without sample `left_out` if given.
+  /// Returns the mean of each group, without sample `left_out` if given.
   std::vector<Values> means(std::optional<std::size_t> left_out = {}) const {
     std::vector<Values> all;
     for (const Group& g : groups_) {
@@ -125,8 +125,7 @@ void Fitter::check_samples() const {
       continue;
     }
     if (sample.backing == "none" && !sample.paints.empty())
-      continue;  // checked together with its
-                 // transmittance
+      continue;  // a reflectance is checked together with its transmittance
     for (std::size_t i = 0; i < sample.values.size(); ++i) try {
         const double inner = inner_reflectance(settings_.surface, sample.values[i]);
         if (sample.backing == "opaque" && !sample.paints.empty()) k_over_s(inner);
@@ -182,7 +181,8 @@ Evidence Fitter::collect(const std::string& paint) const {
 }
 
 void Fitter::choose_method(Evidence& e) const {
-  constexpr double kAlike = 0.05;  // difference of reflectance below which two substrates tell nothing
+  // difference of reflectance below which two substrates do not determine K and S
+  constexpr double kAlike = 0.05;
   std::string alike;
   const std::string named = "paint \"" + e.paint + "\": ";
   if (e.film_r && e.film_t) {
@@ -320,7 +320,7 @@ Fit Fitter::solve(const std::vector<Values>& means) const {
     }
     return p;
   };
-  std::optional<Pigment> tinting;  // the white paint
+  std::optional<Pigment> tinting;  // the white paint with which tints are made
   for (const Evidence& e : evidence_) {
     FitReport report{.method = e.method};
     for (const std::size_t g : e.used)

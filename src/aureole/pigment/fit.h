@@ -31,9 +31,8 @@ struct FitReport {
   int samples = 0;                     ///< number of different samples, without repeats
   int measurements = 0;                ///< number of all measurements used
   int negative_k = 0, negative_s = 0;  ///< number of wavelengths at which the data contradict the theory
-  int undefined =
-      0;  ///< number of wavelengths at which masstone and tint have equal K/S, so that S was set to the
-          ///< white's
+  /// number of wavelengths at which masstone and tint have equal K/S, so that S was set to the white's
+  int undefined = 0;
   double negative_from_nm = 0, negative_to_nm = 0;  ///< wavelength range of the negative values
   double residual = 0;  ///< rms difference of reflectance between several tints and the fit
 };
@@ -42,7 +41,7 @@ struct Fit {
   /// Unclamped result, possibly with negative values (see `clamp_negative`); with standard errors if there
   /// are repeats.
   Palette palette;
-  std::vector<FitReport> reports;  ///< one per pigment
+  std::vector<FitReport> reports;  ///< reports, one per pigment
 };
 
 /// Fits every paint of the table. Repeats are averaged. Standard errors are jackknife estimates over repeats;
@@ -55,9 +54,9 @@ Fit fit(const SampleTable& table, const FitSettings& settings = {});
 
 /// A measurement excluded from the fit, and its prediction.
 struct LeftOut {
-  std::size_t sample = 0;  ///< index in the table
+  std::size_t sample = 0;  ///< index of the sample in the table
   std::vector<double> predicted;
-  double rms = 0;  ///< of predicted minus measured reflectance
+  double rms = 0;  ///< rms of predicted minus measured reflectance
 };
 
 /// Leave-one-out cross-validation: excludes each measurement that has repeats, fits the rest and predicts it.

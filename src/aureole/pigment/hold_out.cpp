@@ -26,7 +26,7 @@ struct Specimens {
         samples[std::size_t(at - keys.begin())].push_back(s);
       }
     }
-    // Specimens of one name in several series are called series/name.
+    // Specimens that have one name in several series are called series/name.
     const std::vector<std::string> short_names = names;
     for (std::size_t n = 0; n < names.size(); ++n) {
       const std::string& series = table.samples[samples[n].front()].series;
@@ -49,7 +49,7 @@ bool has_paint(const Sample& sample, const std::string& paint) {
                      [&](const Component& c) { return c.name == paint; });
 }
 
-/// Calls f(group, samples kept back) for each group and collects what it predicts.
+/// Calls f(group, samples kept back) for each group and collects the predictions.
 template <class Fit>
 std::vector<HeldOut> predict_groups(const SampleTable& table, const HoldOutGroups& groups, bool with_errors,
                                     const ParallelFor& threads, Fit&& fit) {

@@ -12,19 +12,19 @@ namespace aureole::pigment {
 
 /// A specimen that was kept back, and its prediction.
 struct HeldOut {
-  std::string specimen;              ///< name
-  std::vector<std::size_t> samples;  ///< indices in the table
+  std::string specimen;              ///< name of the specimen
+  std::vector<std::size_t> samples;  ///< indices of its samples in the table
   std::vector<JointPrediction>
-      predictions;          ///< one for each sample; empty if the rest lacks one of its paints
-  std::string reason = {};  ///< why there is no prediction
+      predictions;          ///< one prediction for each sample; empty if the rest lacks one of the paints
+  std::string reason = {};  ///< reason why there is no prediction
 };
 
 /// Groups of specimen names that are kept back together.
 using HoldOutGroups = std::vector<std::vector<std::string>>;
 
-/// Every mixture by itself.
+/// Returns groups of one mixture each.
 HoldOutGroups each_mixture(const SampleTable& table);
-/// All specimens in `count` groups of nearly equal size: specimen i belongs to group i mod `count`.
+/// Returns all specimens in `count` groups of nearly equal size: specimen i belongs to group i mod `count`.
 HoldOutGroups in_groups(const SampleTable& table, int count);
 
 /// The groups that words name: names of specimens that are kept back together; or one word that is not such a name,
@@ -39,14 +39,14 @@ std::vector<HeldOut> hold_out(const SampleTable& table, const FilmTheory& theory
                               const ParallelFor& threads = serial_for);
 
 /// The baseline: the two-constant theory with nothing else unknown (`JointSettings::plain`), fitted anew for each
-/// group to the series of its specimens and to all specimens of `white`, `black` and their mixtures. A paint that
-/// these lack brings its own series.
+/// group to the series of its specimens and to all specimens of `white`, `black` and their mixtures. Where
+/// these lack a paint, the fit includes the series of that paint.
 std::vector<HeldOut> hold_out_plain(const SampleTable& table, const FilmTheory& theory,
                                     const HoldOutGroups& groups, const std::string& white,
                                     const std::string& black, const ParallelFor& threads = serial_for);
 
-/// Whether the other specimens tell how each paint of a mixture scatters: each paint, except `white` and `black`,
-/// is in another mixture with a paint that is not `black`.
+/// Whether the other specimens determine the scattering of each paint of a mixture: each paint, except
+/// `white` and `black`, is in another mixture with a paint that is not `black`.
 bool is_determined(const SampleTable& table, const std::string& specimen, const std::string& white,
                    const std::string& black);
 

@@ -122,10 +122,12 @@ int JointFit::iterations() const { return system_->iterations_; }
 bool JointFit::converged() const { return system_->converged_; }
 
 std::vector<UnknownPaint> JointFit::unknown_paints() const {
-  // Thicknesses that differ by less are not told apart by their stated errors, and cards that differ by less are alike.
+  // Thresholds of the relative difference of thickness, which stated errors may hide, and of the difference
+  // in reflectance below which two cards count as alike.
   constexpr double kThicker = 0.1, kAlike = 0.05;
   const JointSystem& s = *system_;
-  /// A paint's measurements alone. Films that differ in thickness or card depend in different ways on K and S.
+  /// The measurements of one paint alone. Films that differ in thickness or card depend in different ways on
+  /// K and S.
   struct Film {
     double ln_thickness = 0;
     const JointSystem::Row* row = nullptr;
@@ -160,7 +162,8 @@ std::vector<UnknownPaint> JointFit::unknown_paints() const {
   std::vector<UnknownPaint> unknown;
   for (std::size_t p = 0; p < all.size(); ++p) {
     const Evidence& e = all[p];
-    // The first film and another one that differs from it are two equations; so are an opaque layer and a film.
+    // Two films that differ in thickness or card give two equations for K and S; so do an opaque layer and a
+    // film.
     const bool two_films = std::any_of(e.films.begin(), e.films.end(),
                                        [&](const Film& film) { return differ(film, e.films.front()); });
     if (!e.is_told && !two_films && !(e.has_opaque && !e.films.empty()))
@@ -186,7 +189,8 @@ double joint_fit_seconds(const SampleTable& table, const JointSettings& settings
   double local = 2 * double(paints.size());
   for (const auto& [of_series, name] : variants) local += series[name] > 1 ? 2 : 0;
   const double border = double(specimens.size() + paints.size()) + doses;
-  // Operations of a step: factors of the blocks, their products with the border, and the border's own factors.
+  // Number of operations of a step: factorisations of the blocks, their products with the border, and the
+  // factorisation of the border.
   const double step = double(table.nm.size()) * local * (local * local + local * border + border * border) +
                       border * border * border;
   constexpr double kSecondsPerOperation = 2.6e-10, kSteps = 20;
@@ -195,7 +199,7 @@ double joint_fit_seconds(const SampleTable& table, const JointSettings& settings
 
 namespace {
 
-/// The covariance of all unknowns, applied to columns.
+/// Factorises the system, so that the covariance of all unknowns can be applied to columns.
 void factorise(JointSystem& s) {
   if (s.factors_) return;
   s.matrix_ = std::make_shared<NormalChain>();
@@ -206,7 +210,7 @@ void factorise(JointSystem& s) {
   if (!s.factors_->good()) throw std::domain_error("the data and the stated errors do not determine the fit");
 }
 
-/// The covariance of the unknowns that all wavelengths share.
+/// Returns the covariance of the unknowns that all wavelengths share.
 ColumnMatrix border_covariance(JointSystem& s) {
   factorise(s);
   ColumnMatrix covariance = ColumnMatrix::Identity(s.border_.size(), s.border_.size());
@@ -217,7 +221,7 @@ ColumnMatrix border_covariance(JointSystem& s) {
 
 }  // namespace
 
-/// Relative error of a number of which nothing is known: no interval excludes anything.
+/// Relative error that stands for an unknown number: no interval excludes any value.
 constexpr double kUnknownError = 1e3;
 
 void JointFit::with_errors() {
@@ -312,7 +316,7 @@ std::vector<SpecimenReport> JointFit::specimens(bool with_errors) const {
       }
     }
     report.rms = std::sqrt(sum / double(specimen.rows.size() * s.wavelengths_));
-    // Amounts are reported relative to each other: what all have in common is thickness.
+    // Amounts are reported relative to each other: their common factor is thickness.
     double volume = 0, fitted = 0;
     for (const JointSystem::Part& part : specimen.parts) {
       const double v = part.fraction * std::exp(s.border_[s.volume_unknown(part.paint)]);
@@ -374,7 +378,7 @@ JointPrediction JointFit::predict(const Sample& sample, bool with_error) const {
     Eigen::RowVectorXd at = Eigen::RowVectorXd::Zero(size), shared = Eigen::RowVectorXd::Zero(edge);
     s.derivatives(specimen, local, row, l, at, shared);
     chain[l].col(Eigen::Index(l)) = at.transpose(), border.col(Eigen::Index(l)) = shared.transpose();
-    // The specimen's own deviations, which no other specimen tells.
+    // Only the specimen itself determines its own deviations, not the other specimens.
     const bool stated = s.metric_ && sample.thickness > 0;
     const double thickness = stated ? s.settings_.stated_thickness : s.settings_.thickness;
     double variance = std::pow(s.sigma(local.film.value), 2);

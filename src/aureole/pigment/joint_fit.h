@@ -26,11 +26,12 @@ struct JointSettings {
   /// Error of a measured reflectance R, the theory's own error included: noise and noise_relative R, added in
   /// squares. Repeats of a specimen over one card add their own standard deviation, in squares as well.
   double noise = 0.01, noise_relative = 0.05;
-  double thickness = 0.15;         ///< of a specimen without a stated thickness, about the common one
-  double stated_thickness = 0.03;  ///< of a stated thickness
-  double dose = 0.1;               ///< of each paint's amount in a mixture
-  double specific_volume = 0.5;    ///< of a paint's volume per mass, relative to the others
-  double g = 0;                    ///< of a paint's 1 - g about the theory's, if the theory has one
+  /// of the thickness of a specimen without a stated one, about the common thickness
+  double thickness = 0.15;
+  double stated_thickness = 0.03;           ///< of a stated thickness about the actual one
+  double dose = 0.1;                        ///< of each paint's amount in a mixture
+  double specific_volume = 0.5;             ///< of a paint's volume per mass, relative to the others
+  double g = 0;                             ///< of a paint's 1 - g about the theory's, if the theory has one
   double series_k = 0.25, series_s = 0.25;  ///< of a paint's K and S in one series about its mean over series
   double step_k = 0.7, step_s = 0.2;        ///< of the change of K and S over 10 nm
   double level_k = 3, level_s = 1.5;        ///< of K and S about the levels 0.4 and 7 per film
@@ -47,13 +48,14 @@ struct JointSettings {
 /// How a specimen agrees with the fit.
 struct SpecimenReport {
   std::string name;
-  std::vector<std::size_t> samples;  ///< indices in the table
-  double rms = 0;                    ///< of fitted minus measured reflectance
-  double worst = 0;                  ///< the largest difference, with its sign
-  std::size_t worst_sample = 0;      ///< index in the table
+  std::vector<std::size_t> samples;  ///< indices of the samples in the table
+  double rms = 0;                    ///< rms of fitted minus measured reflectance
+  double worst = 0;                  ///< the largest difference of reflectance, with its sign
+  std::size_t worst_sample = 0;      ///< index of the sample with the largest difference
   double worst_nm = 0;
-  double weight = 1;                          ///< in the fit; below 1: down-weighted
-  double thickness = 1, thickness_error = 0;  ///< fitted over stated (or over the common) thickness
+  double weight = 1;  ///< weight in the fit; below 1: down-weighted
+  /// fitted over stated (or over the common) thickness, and its standard error
+  double thickness = 1, thickness_error = 0;
   /// Fitted over stated amount of each paint of a mixture, relative to the other paints, and its standard error.
   struct Dose {
     std::string paint;
@@ -67,13 +69,13 @@ struct MeanCosine {
   double g = 0, error = 0;
 };
 
-/// A paint of which a table tells too little.
+/// A paint whose K and S the table does not determine.
 struct UnknownPaint {
   std::string name;
-  bool ratio_is_known = false;  ///< K/S is known, of an opaque layer
+  bool ratio_is_known = false;  ///< whether K/S is known, from an opaque layer
 };
 
-/// How residuals compare with the stated noise.
+/// The residuals in comparison with the stated noise.
 struct ResidualReport {
   /// Root of the weighted sum of squares over the degrees of freedom, in units of the stated noise; 0 without `freedom`.
   double relative = 0;
@@ -83,19 +85,20 @@ struct ResidualReport {
   double values = 0;  ///< number of measured values, by weights
 };
 
-/// A predicted specimen.
+/// Predicted values of a specimen.
 struct JointPrediction {
-  std::vector<double> values;  ///< at the table's wavelengths
-  std::vector<double> error;   ///< standard deviation of a new measurement about them; empty unless asked for
+  std::vector<double> values;  ///< reflectances at the table's wavelengths
+  /// standard deviation of a new measurement about `values`; empty unless it was requested
+  std::vector<double> error;
 };
 
 class JointSystem;
 
 class JointFit {
 public:
-  /// Throws SampleError for measurements that no fit can use, with the reason, and std::domain_error if data
-  /// are missing. `theory` must outlive the fit. Samples whose index is in `left_out` are not used, but
-  /// their bare substrates are.
+  /// Prepares a fit. Throws SampleError for measurements that no fit can use, with the reason, and
+  /// std::domain_error if data are missing. `theory` must outlive the fit. Samples whose index is in
+  /// `left_out` are not used, but their bare substrates are.
   JointFit(const SampleTable& table, const FilmTheory& theory, const JointSettings& settings = {},
            const std::vector<std::size_t>& left_out = {}, const JointFit* start = nullptr);
   ~JointFit();
@@ -117,11 +120,12 @@ public:
   JointPrediction predict(const Sample& sample, bool with_error = false) const;
   /// Names of the cards that were not measured, whose reflectance is an unknown of the fit.
   const std::vector<std::string>& unknown_cards() const;
-  /// Names of the specimens over two or more cards that reflect nearly the same, so that they tell nothing of
-  /// transmission.
+  /// Names of the specimens over two or more cards that reflect nearly the same, so that they do not
+  /// determine the transmission.
   std::vector<std::string> over_equal_cards() const;
-  /// Paints whose K and S are not known apart: no mixture and no free film of them was measured, and no two of: an opaque
-  /// layer, films over cards that differ, films of stated thicknesses that differ.
+  /// Paints whose K and S cannot be determined separately. No mixture and no free film of them was measured,
+  /// and at most one of: an opaque layer, films over cards that differ, films of stated thicknesses that
+  /// differ.
   std::vector<UnknownPaint> unknown_paints() const;
   /// Films that are darker over the brighter of two measured cards, by more than the stated noise at most wavelengths,
   /// in words.
@@ -143,12 +147,13 @@ private:
 /// of all wavelengths, and a fit has some 20 steps.
 double joint_fit_seconds(const SampleTable& table, const JointSettings& settings = {});
 
-/// Notes about the data of a fit: cards that were not measured, specimens over cards that are alike, paints of which
-/// the data tell K/S only with the measurement that is missing, cards that seem swapped, a fit that did not converge.
+/// Notes about the data of a fit: cards that were not measured, specimens over cards that are alike, paints
+/// for which the data determine only K/S, with the measurement that is missing, cards that seem swapped, a
+/// fit that did not converge.
 std::vector<std::string> joint_notes(const JointFit& fit);
 
-/// Throws SampleError for a reflectance or transmittance above 1.05, and notes those that no paint has under the
-/// interface: a few, by noise, are measurements like any other.
+/// Throws SampleError for a reflectance or transmittance above 1.05, and notes values that no paint has under
+/// the interface: a few of them, caused by noise, are used like all other measurements.
 std::vector<std::string> range_notes(const SampleTable& table, const Surface& surface);
 
 /// The key of a sample's specimen: its column "specimen", or else recipe, thickness and series.

@@ -71,7 +71,7 @@ JointSystem::Specimen JointSystem::specimen_of(const Sample& sample) const {
     if (paint < 0) throw std::domain_error("no other sample contains the paint \"" + c.name + "\"");
     specimen.parts.push_back({paint, c.fraction, -1, variant_of(sample.series, paint)});
   }
-  // Recipes name their paints in any order.
+  // The parts are sorted, since recipes list their paints in any order.
   std::sort(specimen.parts.begin(), specimen.parts.end(),
             [](const Part& a, const Part& b) { return a.paint < b.paint; });
   specimen.ln_thickness = sample.thickness > 0 && metric_ ? std::log(sample.thickness / unit_) : 0;
@@ -116,7 +116,7 @@ void JointSystem::collect(const std::vector<std::size_t>& left_out) {
       if (added.parts.size() > 1 && settings_.dose > kFixed)
         for (Part& part : added.parts) part.dose = doses_++;
     } else {
-      // One specimen has one recipe.
+      // All samples of a specimen must have the same recipe.
       const Specimen& same = specimens_[std::size_t(at->second)];
       const Specimen now = specimen_of(sample);
       const bool equal = same.parts.size() == now.parts.size() &&
@@ -180,7 +180,7 @@ void JointSystem::set_priors() {
     level_precision_[paint_unknown(p, 1)] = 1 / (settings_.level_s * settings_.level_s * count);
   }
   for (int c = 0; c < cards; ++c) {
-    // A card without a measurement is black or white if its name says so.
+    // A card without a measurement starts as black or white if its name contains that word.
     const std::string name = lower_case(cards_[std::size_t(c)]);
     const bool black = name.find("black") != name.npos, white = name.find("white") != name.npos;
     const double guess = black ? 0.04 : white ? 0.85 : 0.5, sd = black || white ? 0.7 : 2;
@@ -235,7 +235,7 @@ JointSystem::Local JointSystem::evaluate(const Specimen& specimen, const Row& ro
                                          const ColumnMatrix& chain, const JointVector& border,
                                          bool with_thickness) const {
   const auto column = chain.col(Eigen::Index(l));
-  // Volume fractions from masses, then the amount's own deviation.
+  // Volume fractions from masses, with the deviation of each amount.
   double volume = 0;
   for (const Part& part : specimen.parts)
     volume += part.fraction * std::exp(border[volume_unknown(part.paint)]);
@@ -399,8 +399,8 @@ void JointSystem::start_from(const JointSystem& other) {
     }
 }
 
-/// K and S of pure paints over two cards, in closed form, where the data allow it; elsewhere the nearest
-/// wavelength that does.
+/// K and S of pure paints over two cards, in closed form, where the data allow it; elsewhere the values of
+/// the nearest wavelength at which they do.
 void JointSystem::start_from_closed_forms() {
   for (const Specimen& specimen : specimens_) {
     if (specimen.parts.size() != 1) continue;
@@ -474,7 +474,8 @@ void JointSystem::solve() {
       }
     }
     if (round + 1 == rounds) break;
-    // Weights of Student's distribution, one for each specimen: its errors go together.
+    // Weights of Student's distribution, one for each specimen, since the errors of a specimen are
+    // correlated.
     for (Specimen& specimen : specimens_) {
       double sum = 0;
       for (const std::size_t r : specimen.rows) {

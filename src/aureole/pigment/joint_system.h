@@ -19,7 +19,7 @@ using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 using ColumnMatrix = Eigen::MatrixXd;
 using JointVector = Eigen::VectorXd;
 
-/// Smallest standard deviation: quantities with less are constants.
+/// Smallest standard deviation: quantities with a smaller one are constants.
 constexpr double kFixed = 1e-6;
 
 /// The unknowns of a JointFit and its equations.
@@ -46,8 +46,8 @@ public:
   /// A sample's place among the unknowns; indices are -1 where there is none.
   struct Row {
     std::size_t sample = 0;
-    int specimen = -1, card = -1;   ///< card: an unknown one
-    std::vector<double> substrate;  ///< of a known card, by wavelength
+    int specimen = -1, card = -1;  ///< indices of the specimen, and of the card if its reflectance is unknown
+    std::vector<double> substrate;  ///< reflectance of a known card, by wavelength
     double scatter = 0;             ///< standard deviation of the sample's repeats of one specimen
     enum class Kind { over, opaque, free_reflectance, free_transmittance } kind = Kind::over;
   };
@@ -59,7 +59,7 @@ public:
   struct Specimen {
     std::string key, name, series;
     std::vector<Part> parts;
-    double ln_thickness = 0;  ///< stated or common, relative to the unit film
+    double ln_thickness = 0;  ///< logarithm of the stated or common thickness, relative to the unit film
     double weight = 1;
     std::vector<std::size_t> rows;
   };
@@ -80,7 +80,8 @@ public:
                 ColumnMatrix& border_gradient) const;
   void derivatives(const Specimen& specimen, const Local& local, const Row& row, std::size_t l,
                    Eigen::Ref<Eigen::RowVectorXd> chain, Eigen::Ref<Eigen::RowVectorXd> border) const;
-  /// Standard deviation of a measurement of this reflectance. Repeats that scatter add their own deviation.
+  /// Standard deviation of a measurement of this reflectance. `scatter`, the standard deviation of repeats,
+  /// is added in squares.
   double sigma(double reflectance, double scatter = 0) const {
     return std::hypot(settings_.noise, settings_.noise_relative * reflectance, scatter);
   }
@@ -95,7 +96,7 @@ public:
   int g_unknown(int paint) const { return volume_unknown(paints()) + paint; }
   /// Whether paints have mean cosines of their own.
   bool has_g() const { return theory_.mean_cosine() && settings_.g > kFixed; }
-  /// The mean cosine of scattering in a paint.
+  /// Returns the mean cosine of scattering in a paint.
   double mean_cosine(int paint) const {
     return 1 - (1 - *theory_.mean_cosine()) * std::exp(border_[g_unknown(paint)]);
   }
@@ -105,17 +106,18 @@ public:
   JointSettings settings_;
   std::size_t wavelengths_;
   std::vector<std::string> names_, cards_;
-  std::vector<std::pair<std::string, int>> variants_;  ///< series and paint, of paints in several series
+  /// pairs of series and paint, for paints in several series
+  std::vector<std::pair<std::string, int>> variants_;
   std::vector<Specimen> specimens_;
   std::vector<Row> rows_;
   int doses_ = 0;
   double unit_ = 1;  ///< thickness of the unit film [m], or 1 if no thickness is stated
   bool metric_ = false;
 
-  ColumnMatrix chain_;  ///< unknowns, wavelengths by columns
+  ColumnMatrix chain_;  ///< the unknowns at each wavelength, wavelengths by columns
   JointVector border_;
   JointVector chain_mean_, level_precision_, border_sd_;
-  std::vector<JointVector> step_precision_;  ///< for each pair of neighbouring wavelengths
+  std::vector<JointVector> step_precision_;  ///< precisions for each pair of neighbouring wavelengths
   double cost_ = 0;
   int iterations_ = 0;
   bool converged_ = true;

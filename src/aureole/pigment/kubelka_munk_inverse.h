@@ -30,16 +30,16 @@ Coefficients coefficients_of_drawdowns(Drawdown dark, Drawdown light, double thi
 /// preferably over black.
 Coefficients coefficients_of_opaque(double opaque_reflectance, Drawdown drawdown, double thickness);
 
-/// One tint: K/S of an opaque mixture of a fraction `share` of the paint with white.
+/// The measurement of one tint: K/S of an opaque mixture of a fraction `share` of the paint with white.
 struct Tint {
-  double share = 0;     ///< in (0, 1)
-  double k_over_s = 0;  ///< of the mixture
+  double share = 0;     ///< fraction of the paint, in (0, 1)
+  double k_over_s = 0;  ///< K/S of the mixture
 };
 
 /// S of a paint from K/S of its opaque masstone and a tint with a white of known coefficients. With the
-/// white's S set to 1, the result is relative to it. Not finite if masstone and tint have equal K/S. Negative
-/// if the tint's K/S is not between white's and masstone's. Such data contradict the theory, and the caller
-/// must count them.
+/// white's S set to 1, the result is relative to the white's S. Not finite if masstone and tint have equal
+/// K/S. Negative if the tint's K/S is not between white's and masstone's. Such data contradict the theory,
+/// and the caller must count them.
 double scattering_of_tint(double masstone_k_over_s, Tint tint, Coefficients white);
 
 }  // namespace aureole::pigment

@@ -43,7 +43,7 @@ double reflectance_over(LayerTransfer layer, double substrate) {
   if (layer.transmittance == 0) return layer.reflectance;
   const double sum = layer.reflectance + layer.transmittance * layer.transmittance * substrate /
                                              (1 - layer.reflectance * substrate);
-  return std::min(sum, 1.0);  // rounding errors over a white substrate
+  return std::min(sum, 1.0);  // rounding errors over a white substrate may exceed 1
 }
 
 LayerTransfer stacked(LayerTransfer upper, LayerTransfer lower) {

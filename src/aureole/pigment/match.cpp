@@ -94,7 +94,8 @@ bool is_allowed(const Set& set, const MatchSettings& settings) {
   return true;
 }
 
-/// All sets of 1 to `max_paints` paints that the bounds and the forbidden pairs allow, by their number of paints.
+/// All sets of 1 to `max_paints` paints that satisfy the bounds and contain no forbidden pair, grouped by
+/// their number of paints.
 std::vector<std::vector<Set>> paint_sets(const MatchSettings& settings) {
   const std::size_t n = settings.least.size();
   std::vector<std::vector<bool>> apart(n, std::vector<bool>(n));
@@ -139,12 +140,13 @@ struct Solved {
   Set set;
   Shares shares{};
   double value = 0;
-  bool is_needed = true;  ///< whether each paint is needed, as far as the first search tells
-  double contrast = 0;    ///< the largest contrast ratio, if none of its recipes has the least one
+  bool is_needed = true;  ///< whether each paint is needed, by the first search
+  double contrast = 0;    ///< the largest contrast ratio, if no recipe of the set reaches the required one
 };
 
-/// Finds the best recipe of the mixer's set again, where a paint has less than can be dosed, with no less of it. The
-/// value is `kNoRecipe` if there is none. The paint is not needed if a recipe without it is as good.
+/// Repeats the search for the best recipe of the mixer's set where a paint has less than can be dosed, with
+/// at least that amount. The value is `kNoRecipe` if there is none. The paint is not needed if a recipe
+/// without it is as good.
 void make_dosable(const MatchProblem& problem, Mixer& mixer, Solved& one) {
   const double smallest = problem.settings.smallest;
   const auto solve = [&] {
@@ -152,7 +154,8 @@ void make_dosable(const MatchProblem& problem, Mixer& mixer, Solved& one) {
     one.value = one.set.size() <= 3 ? mixer.best(one.shares) : mixer.refine(one.shares);
   };
   for (std::size_t round = 0; round < one.set.size() && one.value < kNoRecipe; ++round) {
-    std::vector<std::pair<std::size_t, double>> small;  // with its upper bound
+    // paints with less than can be dosed, with their upper bounds
+    std::vector<std::pair<std::size_t, double>> small;
     for (std::size_t p = 0; p < one.set.size(); ++p)
       if (one.shares[p] > 0 && one.shares[p] < smallest && problem.settings.least[one.set[p]] == 0)
         small.emplace_back(p, mixer.most(p));
@@ -263,7 +266,7 @@ private:
   std::unordered_map<std::uint64_t, std::size_t> subsets_;
 };
 
-/// CIEDE2000 of 1 % too much of each paint.
+/// Sets the CIEDE2000 that results from 1 % too much of each paint.
 void add_dosing_errors(const MatchProblem& problem, const Solved& solved, Mixer& mixer, Match& m) {
   m.dosing.assign(problem.palette.pigments.size(), 0);
   double squares = 0;
@@ -278,7 +281,7 @@ void add_dosing_errors(const MatchProblem& problem, const Solved& solved, Mixer&
   m.dosing_error = std::sqrt(squares);
 }
 
-/// The recipe with its figures.
+/// Returns the recipe with its figures.
 Match match_of(const MatchProblem& problem, const Solved& solved, Mixer& mixer) {
   Match m;
   mixer.choose(solved.set);
@@ -300,7 +303,7 @@ Match match_of(const MatchProblem& problem, const Solved& solved, Mixer& mixer) 
   return m;
 }
 
-/// A recipe with what it is sorted by.
+/// A recipe and the quantities by which it is sorted.
 struct Candidate {
   Match match;
   const Solved* solved;
@@ -310,12 +313,13 @@ struct Candidate {
   }
 };
 
-/// Colour difference, cost and metamerism, in steps below which a difference does not matter.
+/// Colour difference, cost and metamerism, each rounded to steps below which a difference is negligible.
 std::array<double, 3> objectives(const Match& m) {
   return {std::floor(m.difference / 0.02), std::floor(m.cost / 1e-6), std::floor(m.metamerism() / 0.02)};
 }
 
-/// Leaves the candidates of which no other one is as good in all objectives. They are sorted by colour difference.
+/// Keeps the candidates that no other candidate equals or surpasses in all objectives (the Pareto front),
+/// sorted by colour difference.
 void keep_trade_offs(std::vector<Candidate>& all, const MatchSettings& settings) {
   std::erase_if(all, [&](const Candidate& c) { return c.match.difference > settings.within; });
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
@@ -331,7 +335,7 @@ void keep_trade_offs(std::vector<Candidate>& all, const MatchSettings& settings)
     });
     if (!is_dominated) front.push_back(std::move(c));
   }
-  // Of many, those are kept that lie far from each other, beginning with the best of each objective.
+  // Of many candidates, those far from each other are kept, beginning with the best in each objective.
   const std::size_t wanted = std::size_t(settings.solutions);
   if (front.size() > wanted) {
     std::array<double, 3> low{}, high{};
@@ -415,7 +419,7 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
       if (!(s.value < kNoRecipe)) largest_contrast = std::max(largest_contrast, s.contrast);
     std::erase_if(solved, [&](const Solved& s) {
       if (!s.is_needed || !(s.value < kNoRecipe)) return true;
-      // A smaller set has the recipe of a set with a paint that is not needed.
+      // Where a paint is not needed, the set's recipe is found as a recipe of the smaller set.
       for (std::size_t p = 0; p < s.set.size(); ++p)
         if (s.shares[p] < settings.smallest && problem.settings.least[s.set[p]] == 0) return true;
       return false;

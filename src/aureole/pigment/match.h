@@ -53,26 +53,27 @@ struct MatchSettings {
 
 /// A recipe and its colour.
 struct Match {
-  std::vector<double> fractions;  ///< by mass, one per pigment of the palette
+  std::vector<double> fractions;  ///< mass fractions, one per pigment of the palette
   Lab lab;
-  double difference = 0;            ///< CIEDE2000 to the target under the first illuminant
-  std::vector<double> differences;  ///< under the other illuminants, if the target has a reflectance:
-                                    ///< metamerism
-  double rms = 0;                   ///< of the difference in reflectance, if the target has one
+  double difference = 0;  ///< CIEDE2000 to the target under the first illuminant
+  /// CIEDE2000 under the other illuminants, if the target has a reflectance: metamerism
+  std::vector<double> differences;
+  double rms = 0;  ///< rms of the difference in reflectance, if the target has one
   std::vector<double> reflectance;
-  double cost = 0;      ///< per mass of the mixture; 0 without prices
+  double cost = 0;      ///< cost per mass of the mixture; 0 without prices
   double contrast = 1;  ///< ratio of luminous reflectances over black and over white; 1 for opaque layers
-  /// CIEDE2000 from this recipe if one paint is dosed 1 % too high, one per pigment, and of 1 % errors of all paints
-  /// that are independent: the root of the sum of squares.
+  /// CIEDE2000 from this recipe if one paint is dosed 1 % too high, one per pigment, followed by the
+  /// difference for independent 1 % errors of all paints (root of the sum of squares).
   std::vector<double> dosing = {};
   double dosing_error = 0;
 
-  /// The largest difference under the other illuminants.
+  /// Returns the largest difference under the other illuminants.
   double metamerism() const;
 };
 
-/// Returns the best recipes of at most `max_paints` paints (1 to 6), best first. They are sorted by what `by` says
-/// in steps of 0.005, then by the largest difference under the other illuminants, then by the number of paints.
+/// Returns the best recipes of at most `max_paints` paints (1 to 6), best first. They are sorted by the
+/// quantity `by` in steps of 0.005, then by the largest difference under the other illuminants, then by the
+/// number of paints.
 ///
 /// Sets of up to three paints are all tried, by damped least squares from several starting points within the bounds,
 /// so that the result is never worse than the best single paint; larger sets also if there are at most 1200 sets.
@@ -80,8 +81,9 @@ struct Match {
 /// Amounts below `smallest` occur only where a paint's lower bound is positive and smaller. Negative K and S of the
 /// palette count as zero. More than four paints can match one colour in many ways, of which one is found. A least
 /// contrast ratio is a constraint, met by the method of multipliers (Nocedal & Wright, Numerical Optimization, 2006,
-/// algorithm 17.4). Throws std::domain_error for bounds that no recipe satisfies, for a contrast ratio that none has,
-/// for more than two million sets, and for illuminants and targets whose wavelengths differ from the palette's.
+/// algorithm 17.4). Throws std::domain_error for bounds that no recipe satisfies, for a contrast ratio that
+/// no recipe reaches, for more than two million sets, and for illuminants and targets whose wavelengths
+/// differ from the palette's.
 std::vector<Match> match(const Palette& palette, const MatchTarget& target, const Observation& lamp,
                          std::span<const Observation> others = {}, const MatchSettings& settings = {},
                          const ParallelFor& parallel_for = serial_for);

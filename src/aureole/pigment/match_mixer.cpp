@@ -9,10 +9,10 @@
 namespace aureole::pigment {
 namespace {
 
-constexpr double kKept = 1e-4;  ///< a fraction above this is reduced step by step only
+constexpr double kKept = 1e-4;  ///< fractions below this may be reduced to zero by one step
 /// First weight of a lack of contrast: 0.01 too little counts as a colour difference of 10.
 constexpr double kContrastWeight = 1000;
-/// A contrast ratio is met to this number.
+/// Tolerance of the least contrast ratio.
 constexpr double kContrastError = 1e-8;
 
 double squared(const std::vector<double>& v) {
@@ -379,7 +379,7 @@ std::vector<Shares> Mixer::grid() const {
     double largest = 0, sum = 0;
     for (std::size_t i = 0, rest = std::size_t(code); i < n; ++i, rest /= 3)
       shares[i] = kRatios[rest % 3], largest = std::max(largest, shares[i]), sum += shares[i];
-    if (largest < 1) continue;  // these ratios occur again with larger values
+    if (largest < 1) continue;  // larger values with these ratios follow later in the grid
     for (std::size_t i = 0; i < n; ++i) shares[i] = low_[i] + shares[i] / sum;
     points.push_back(projected(shares));
   }

@@ -20,10 +20,10 @@ using Shares = std::array<double, kMaxPaints>;
 struct MatchProblem {
   Palette palette;
   MatchTarget target;
-  std::vector<Observation> lamps;  ///< the first, then the others
-  MatchSettings settings;          ///< with bounds for each pigment
-  /// A set of paints whose largest contrast ratio is below the least one by no more than this is kept, at its largest
-  /// contrast ratio: for a search at groups of wavelengths, whose contrast ratios are not exact.
+  std::vector<Observation> lamps;  ///< the first illuminant and observer, then the others
+  MatchSettings settings;          ///< settings of the match, with bounds for each pigment
+  /// A set of paints whose largest contrast ratio is below the required one by at most this slack is kept, at
+  /// its largest contrast ratio: for a search at groups of wavelengths, whose contrast ratios are not exact.
   double contrast_slack = 0;
 };
 
@@ -62,8 +62,8 @@ public:
   double best(Shares& shares);
   /// The best fractions near `shares`. Returns their value, as `best`.
   double refine(Shares& shares);
-  /// The largest contrast ratio seen of the chosen paints: the largest possible one, if `best` or `refine` returned
-  /// infinity.
+  /// The largest contrast ratio of the chosen paints found so far; if `best` or `refine` returned infinity,
+  /// it is the largest possible one.
   double largest_contrast() const { return largest_contrast_; }
 
 private:
@@ -76,7 +76,7 @@ private:
   /// Finds the point on the line to a relative error of its distance.
   Shares hiding(const Shares& shares, double error);
   bool hides(const Shares& shares) { return limit_ <= 0 || contrast(shares) >= limit_; }
-  /// Numbers whose squares sum to what is minimised.
+  /// Returns numbers whose sum of squares is minimised.
   const std::vector<double>& residual(const Shares& shares);
   /// Levenberg-Marquardt method within the bounds from `shares`, which become the best ones found. Returns the sum of
   /// squares.
@@ -96,10 +96,10 @@ private:
   std::vector<std::size_t> paints_;
   Shares low_{}, high_{};  ///< bounds of the chosen paints
   Aim aim_ = Aim::colour;
-  double limit_ = 0;  ///< least contrast ratio
-  /// Weight of a lack of contrast, and the multiplier as a shift of the limit.
+  double limit_ = 0;  ///< required contrast ratio
+  /// Weight of a missing contrast ratio, and the multiplier as a shift of the limit.
   double weight_ = 0, shift_ = 0;
-  Shares opaque_{};  ///< a recipe that hides, if `has_opaque_`
+  Shares opaque_{};  ///< a recipe with the required contrast ratio, if `has_opaque_`
   bool has_opaque_ = false;
   double largest_contrast_ = 0;
   std::vector<LayerTransfer> layers_;

@@ -12,7 +12,8 @@ namespace aureole::pigment {
 
 struct NormalChain {
   std::vector<Eigen::MatrixXd> blocks, to_border;
-  std::vector<Eigen::VectorXd> coupling;  ///< between block l and l + 1: minus the off-diagonal, a diagonal
+  /// minus the off-diagonal between blocks l and l + 1, a diagonal matrix
+  std::vector<Eigen::VectorXd> coupling;
   Eigen::MatrixXd border;
 };
 
@@ -32,7 +33,7 @@ private:
 
   const NormalChain& chain_;
   std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
-  std::vector<Eigen::MatrixXd> solved_;  ///< the inverse of the chain without the border, times `to_border`
+  std::vector<Eigen::MatrixXd> solved_;  ///< inverse of the chain without the border, times `to_border`
   Eigen::LLT<Eigen::MatrixXd> border_;
   bool good_ = true;
 };

@@ -18,16 +18,16 @@ namespace aureole::pigment {
 struct Pigment {
   std::string name;
   std::vector<double> k, s;
-  std::vector<double> k_error = {}, s_error = {};  ///< standard errors; empty: unknown
+  std::vector<double> k_error = {}, s_error = {};  ///< standard errors of K and S; empty: unknown
   double density = 0;  ///< mass per volume, in one unit for all paints; 0: unknown. Recipes by volume need
                        ///< it, and mixtures in a palette that mixes by volume.
-  std::optional<double> g =
-      {};  ///< mean cosine of scattering of this paint, where streams were fitted with one for each
+  /// mean cosine of scattering of this paint, where streams were fitted with one for each
+  std::optional<double> g = {};
 };
 
 /// The theory by streams (film_theory.h) that K = 2 sigma_a and S = 3/4 sigma_s (1 - g) of a palette belong to.
 struct PaletteStreams {
-  double index = 1.5;  ///< of the binder, relative to air
+  double index = 1.5;  ///< index of refraction of the binder, relative to air
   double g = 0.8;      ///< mean cosine of scattering in paints that have none of their own
   Geometry geometry = Geometry::diffuse_8;
   Specular specular = Specular::excluded;
@@ -36,21 +36,22 @@ struct PaletteStreams {
 
 /// Paints that can be mixed with each other: common wavelengths, unit and binder.
 struct Palette {
-  std::vector<double> nm;  ///< increasing
+  std::vector<double> nm;  ///< wavelengths [nm], increasing
   std::vector<Pigment> pigments;
   bool relative = true;  ///< K and S have no unit of length: they are relative to the white's S, or per film.
                          ///< Otherwise they are per metre.
   bool per_film = false;  ///< with `relative`: K and S are per thickness of the films that were measured, and
                           ///< thickness counts in films
   bool by_volume = false;  ///< K and S add up by volume rather than by mass; all pigments have a density
-  Surface surface = {};    ///< between the binder and air, for the instrument of the measurements
-  std::optional<PaletteStreams> streams = {};  ///< if K and S were fitted by streams; otherwise by two fluxes
+  Surface surface = {};    ///< interface between the binder and air, for the instrument of the measurements
+  /// settings if K and S were fitted by streams; otherwise they were fitted by two fluxes
+  std::optional<PaletteStreams> streams = {};
 
   std::optional<std::size_t> find(std::string_view name) const;
   std::vector<std::string> names() const;
 };
 
-/// "1/m", "relative" or "film", the unit of K and S in files.
+/// Returns the unit of K and S as files name it: "1/m", "relative" or "film".
 std::string_view unit_name(const Palette& palette);
 
 /// A note for predictions by two fluxes from K and S that were fitted by streams; empty for other palettes.
@@ -73,8 +74,8 @@ std::vector<double> fractions_of_parts(std::span<const double> parts);
 /// that names a used pigment without density.
 std::vector<double> fractions_of_volumes(const Palette& palette, std::span<const double> volumes);
 
-/// The weights by which K and S of a palette add up, for mass fractions that sum to one: these, or volume fractions
-/// if the palette mixes by volume.
+/// The weights by which K and S of a palette add up, for mass fractions that sum to one: the mass fractions,
+/// or volume fractions if the palette mixes by volume.
 std::vector<double> mixing_fractions(const Palette& palette, std::span<const double> fractions);
 
 /// K and S of a paint at the wavelengths of a palette.

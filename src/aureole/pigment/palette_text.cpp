@@ -33,10 +33,10 @@ Pigment& named(Palette& palette, const std::string& name) {
   return palette.pigments.emplace_back(Pigment{.name = name, .k = {}, .s = {}});
 }
 
-/// Mean cosines that the theory by streams takes.
+/// Largest magnitude of a mean cosine in the theory by streams.
 constexpr double kLargestCosine = 0.95;
 
-/// The value of a line with a key.
+/// Returns the value of a line with a key, which must lie in [least, most].
 double number_within(const TextRow& row, double least, double most) {
   const double value = number_of(row, 1);
   if (!(value >= least && value <= most))

@@ -15,7 +15,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-/// "10% ochre" as "ochre: 10%", which `turned` holds; other texts as they are.
+/// Rewrites "10% ochre" as "ochre: 10%", stored in `turned`; returns other texts unchanged.
 std::string_view amount_last(std::string_view part, std::string& turned) {
   const auto percent = part.find('%');
   if (percent == part.npos || percent + 1 == part.size() || part.find(':') != part.npos) return part;
@@ -37,7 +37,7 @@ std::vector<Component> parse_recipe(std::string_view text) {
     const auto plus = rest.find('+');
     std::string turned;
     std::string_view part = trimmed(rest.substr(0, plus));
-    // A single text such as "50% cyan" is the name of a patch.
+    // Without a '+', a text such as "50% cyan" is the name of a patch.
     if (text.find('+') != text.npos) part = amount_last(part, turned);
     const auto colon = part.rfind(':');
     Component component{std::string(trimmed(part.substr(0, colon))), 1};

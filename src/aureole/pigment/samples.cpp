@@ -27,7 +27,8 @@ constexpr const char* kRightHeader = "sample,paints,backing,thickness_um,unit,40
 /// Bounds of the wavelengths of pigments in nm; beyond them a number is no wavelength or has another unit.
 constexpr double kShortestWavelength = 200, kLongestWavelength = 2600;
 
-/// A heading in lower case, without blanks, underscores, hyphens and what is in brackets. The latter is `inside`.
+/// A heading in lower case, without blanks, underscores, hyphens and text in brackets, which is kept in
+/// `inside`.
 struct Heading {
   std::string word, inside;
 
@@ -79,13 +80,13 @@ std::optional<Wavelength> wavelength_of(const std::string& text) {
   return result;
 }
 
-/// Headings without the number of a repeat: "400_1", "R400-2", "400nm #3" are 400, R400 and 400nm. So are "400.1" and
-/// "400.2", as programs write columns of one name, if such wavelengths are at least 5 nm apart and all have the same
-/// numbers from 1 on; they cannot be tenths of nanometres then.
+/// Headings without the number of a repeat: "400_1", "R400-2", "400nm #3" are 400, R400 and 400nm. The
+/// headings "400.1" and "400.2", as programs number columns of one name, count as repeats if such wavelengths
+/// are at least 5 nm apart and all have the same numbers from 1 on; they cannot be tenths of nanometres then.
 std::vector<std::string> without_repeat_numbers(const TextRow& header) {
   static const std::regex numbered("(.*[0-9]{3,4}( ?nm)?) ?[_#-] ?#?[0-9]{1,2}", std::regex::icase),
       dotted("([^0-9]*)([0-9]{3,4})[.]([0-9])");
-  constexpr std::size_t kLongestHeading = 60;  // matching takes memory on the stack for each letter
+  constexpr std::size_t kLongestHeading = 60;  // matching needs stack memory for each letter
   std::vector<std::string> texts;
   std::map<std::string, std::vector<int>> tenths;
   std::set<std::string> all;
@@ -117,7 +118,7 @@ std::vector<std::string> without_repeat_numbers(const TextRow& header) {
   return texts;
 }
 
-/// Columns of instruments' exports that this table has no use for.
+/// Whether a column of instruments' exports is known to be of no use for samples of paint.
 bool is_unused(const Heading& heading) {
   for (const char* name :
        {"l*",         "a*",       "b*",       "c*",      "h",        "h*",       "h°",      "x",
@@ -155,13 +156,14 @@ std::optional<std::string> misspelt(const Heading& heading) {
 
 using OptionalColumn = std::optional<std::size_t>;
 
-/// The indices of the columns.
+/// Indices of the table's columns.
 struct Columns {
   OptionalColumn sample, paints, quantity, backing, thickness, unit, series, specimen;
-  double thickness_scale = 1e-6;  ///< metres in the unit of the thickness
+  double thickness_scale = 1e-6;  ///< factor from the unit of the thickness to metres
   bool percent = false;
-  std::vector<std::vector<std::size_t>> values;  ///< for each repeat, the columns by increasing wavelength
-  std::vector<bool> transmitted;                 ///< for each repeat, whether it is of transmittances
+  /// for each repeat, the columns in order of increasing wavelength
+  std::vector<std::vector<std::size_t>> values;
+  std::vector<bool> transmitted;  ///< for each repeat, whether its values are transmittances
   std::vector<double> nm;
 
   OptionalColumn* find(const std::string& name, double* scale = nullptr) {
@@ -207,7 +209,8 @@ struct Columns {
         percent = percent || wavelength->percent;
         continue;
       }
-      if (cell.text.empty() && i + 1 == header.cells.size()) continue;  // a separator at the end of the line
+      // an empty last cell comes from a separator at the end of the line
+      if (cell.text.empty() && i + 1 == header.cells.size()) continue;
       const auto meant = is_unused(Heading(cell.text)) ? std::nullopt : misspelt(Heading(cell.text));
       if (meant)
         throw TextError(line(cell), cell.column,
@@ -282,7 +285,8 @@ private:
   }
 };
 
-/// The sum of a recipe's amounts if it is nearly but not quite 100, as of per cent that were rounded or misread.
+/// The sum of a recipe's amounts if it is nearly but not quite 100, which happens when percentages were
+/// rounded or misread.
 std::optional<double> sum_beside_100(const std::string& recipe) {
   double sum = 0;
   for (std::size_t at = recipe.find(':'); at != recipe.npos; at = recipe.find(':', at + 1)) {
@@ -298,11 +302,12 @@ std::optional<double> sum_beside_100(const std::string& recipe) {
   return sum;
 }
 
-/// A value that the table lacks.
+/// Stands for a value that the table lacks.
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-/// Values are interpolated between neighbours that are no further apart.
+/// Widest gap in nm over which missing values are interpolated.
 constexpr double kWidestGap = 40;
-/// No paint reflects more, but for the error of the instrument; joint fits have the same limit.
+/// Largest reflectance that a paint can have, with the error of the instrument; joint fits have the same
+/// limit.
 constexpr double kLargestReflectance = 1.05;
 
 bool is_missing(const std::string& text) {
@@ -340,12 +345,12 @@ void fill_missing(SampleTable& table) {
   int count = 0;
   std::string place;
   for (Sample& s : table.samples) {
-    std::size_t before = all;  // the last known value
+    std::size_t before = all;  // index of the last known value
     for (std::size_t i = 0; i < all; ++i) {
       if (!is_known(s.values[i])) continue;
       const double gap = before < i ? table.nm[i] - table.nm[before] : 0;
       for (std::size_t j = before + 1; before < i && j < i; ++j) {
-        // A gap that the cut removes does not matter.
+        // A gap at wavelengths that are cut off does not matter.
         if (gap > kWidestGap && j >= first && j < last) fail_missing(s, table.nm[j], j);
         const double t = (table.nm[j] - table.nm[before]) / gap;
         s.values[j] = s.values[before] + t * (s.values[i] - s.values[before]);
@@ -369,7 +374,7 @@ void fill_missing(SampleTable& table) {
   cut(table.nm);
 }
 
-/// The message of a layer with a thickness of which nothing says what it lies on.
+/// The message about a layer with a thickness but without a stated backing.
 std::string without_backing(const Sample& s) {
   return "\"" + s.name +
          "\" has a thickness and no backing; right would be opaque, none (a free film), an inner reflectance such as 0.04, "
@@ -428,7 +433,7 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   const auto is_measured = [&](std::size_t r) {
     return !std::all_of(columns.values[r].begin(), columns.values[r].end(), is_empty);
   };
-  // A film of which transmittances are given lies on nothing.
+  // A film with transmittances has no backing.
   for (std::size_t r = 0; r < columns.values.size(); ++r)
     if (columns.transmitted[r] && is_measured(r) && text(columns.backing).empty() && !s.paints.empty())
       s.backing = "none", s.states_backing = true;
@@ -450,10 +455,10 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   return all;
 }
 
-/// The rows of a table, from its headings on.
+/// The rows of a table, beginning with its headings.
 struct Grid {
   std::vector<TextRow> rows;
-  int headings = 0;  ///< number of cells that are headings
+  int headings = 0;  ///< number of cells of a row that are headings
   bool down = false;
   char separator = ',';
 };
@@ -464,14 +469,14 @@ int count_headings(const TextRow& row) {
   return count;
 }
 
-/// Whether the text names the column of wavelengths in a table that has them down.
+/// Whether the text is the heading of a column of wavelengths, in a table whose rows are wavelengths.
 bool is_wavelength_heading(const std::string& text) {
   const std::string word = Heading(text).word;
   return word == "nm" || word == "wavelength" || word == "wavelengths" || word == "wavelengthnm" ||
          word == "wl" || word == "lambda" || word == "λ";
 }
 
-/// Rows become columns. Cells keep their places.
+/// Turns rows into columns. Cells keep their positions in the file.
 std::vector<TextRow> transposed(const std::vector<TextRow>& rows) {
   std::vector<TextRow> result(rows.front().cells.size());
   for (const TextRow& row : rows)
@@ -490,7 +495,7 @@ Grid find_grid(std::vector<TextRow> rows, char separator) {
   grid.separator = separator;
   for (std::size_t r = 0; r < rows.size() && r < 300; ++r) {
     const int across = count_headings(rows[r]);
-    // Data have numbers above 100 only in per cent, and a line of them has no text but names.
+    // Data have numbers above 100 only in per cent, and a line of data has no text but names.
     if (across > grid.headings && rows[r].cells.size() >= 2) {
       const bool has_name = std::any_of(rows[r].cells.begin(), rows[r].cells.end(), [](const TextCell& c) {
         const std::string word = Heading(c.text).word;
@@ -520,7 +525,7 @@ Grid find_grid(std::vector<TextRow> rows, char separator) {
   return grid;
 }
 
-/// Drops columns at the end in which nothing is written, as spreadsheets add them.
+/// Drops empty columns at the end, which spreadsheets add.
 void drop_empty_columns(std::vector<TextRow>& rows) {
   std::size_t width = rows.front().cells.size();
   const auto is_empty = [&](const TextRow& row) {
@@ -559,7 +564,7 @@ SampleTable read_samples(std::istream& stream, Recipes recipes) {
           "there is no table; a line of headings that would be right:\n    " + std::string(kRightHeader));
   }
   if (best.rows.front().line > 1 && best.headings > 0) {
-    // Lines with text before the table; comments are meant to be skipped.
+    // Lines of text before the table are noted; lines of comment are skipped without a note.
     std::istringstream in(text);
     std::string skipped;
     int count = 0;
@@ -653,7 +658,7 @@ Instrument instrument_called(const std::string& text) {
   else if (has({"included", "sci", "spin", "di8", "8di", "d8i"}))
     result.specular = "included";
   if (result.geometry == "45_0")
-    result.specular = "excluded";  // light of 45 degrees never reaches it by the gloss
+    result.specular = "excluded";  // in 45:0 geometry specular reflection never reaches the detector
   return result;
 }
 
@@ -683,7 +688,7 @@ std::vector<Panel> panels_of(const SampleTable& table) {
         panel.values[i] += (s.values[i] - panel.values[i]) / (panel.count + 1);
     ++panel.count;
   }
-  // Panels of one name are told apart by the backing, then by the thickness, then by the recipe.
+  // Panels of one name are distinguished by backing, then by thickness, then by recipe.
   for (int step = 0; step < 3; ++step) {
     std::vector<bool> repeated(all.size());
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -715,7 +720,8 @@ void match_card_names(SampleTable& table) {
   std::set<std::string> cards;
   for (const Sample& s : table.samples)
     if (s.paints.empty()) cards.insert(s.name);
-  std::map<std::string, std::string> meant;  // names in another case, and the cards that they name
+  // card names that differ in case, and the names of the cards that they refer to
+  std::map<std::string, std::string> meant;
   for (Sample& s : table.samples) {
     if (s.paints.empty() || s.backing == "opaque" || s.backing == "none" || cards.contains(s.backing))
       continue;

@@ -21,22 +21,24 @@ struct Sample {
   /// "opaque": an opaque layer; "none": a free film; the name of a bare substrate among the samples; or a
   /// number, the inner reflectance of the substrate.
   std::string backing = "opaque";
-  bool states_backing = false;    ///< whether the file states the backing; otherwise it is taken for opaque
-  double thickness = 0;           ///< [m]; 0: unknown
-  std::string series = {};        ///< what was made from the same batches of paint; for joint_fit.h
-  std::string specimen = {};      ///< the layer that was measured; samples of one specimen have one thickness
+  bool states_backing = false;  ///< whether the file states the backing; otherwise it is assumed to be opaque
+  double thickness = 0;         ///< thickness [m]; 0: unknown
+  std::string series = {};  ///< name of a series of samples from the same batches of paint, for joint_fit.h
+  /// name of the layer that was measured; samples of one specimen have one thickness
+  std::string specimen = {};
   std::vector<double> values;     ///< fractions, as measured, one per wavelength
   int line = 0;                   ///< line number in the file, from 1; 0: not from a text file
   std::vector<int> columns = {};  ///< column numbers of the values in that line
-  std::vector<int> lines = {};    ///< line numbers of the values, if they differ: wavelengths down
-  std::string file = {};          ///< the file, in a table that several files were joined to
+  /// line numbers of the values, if they differ, as in tables whose rows are wavelengths
+  std::vector<int> lines = {};
+  std::string file = {};  ///< name of the file, in a table that was joined from several files
 };
 
-/// How an instrument measured, as far as a file states it; empty: not stated.
+/// Measurement conditions of an instrument, as far as a file states them; empty: not stated.
 struct Instrument {
   std::string geometry;  ///< "diffuse", "d8" or "45_0", as `geometry_called` knows them
-  std::string specular;  ///< "included" or "excluded"
-  std::string aperture;  ///< size or name
+  std::string specular;  ///< specular component: "included" or "excluded"
+  std::string aperture;  ///< aperture, by size or name
 
   bool operator==(const Instrument&) const = default;
 };
@@ -46,7 +48,7 @@ Instrument instrument_called(const std::string& text);
 struct SampleTable {
   std::vector<double> nm;
   std::vector<Sample> samples;
-  std::vector<std::string> notes = {};  ///< what reading a file assumed, for the user to confirm
+  std::vector<std::string> notes = {};  ///< assumptions made on reading the file, for the user to confirm
   Instrument instrument = {};
 };
 
@@ -68,14 +70,14 @@ public:
   SampleError(std::size_t sample, int wavelength, const std::string& message)
       : std::domain_error(message), sample_(sample), wavelength_(wavelength) {}
   std::size_t sample() const { return sample_; }
-  int wavelength() const { return wavelength_; }  ///< index of the wavelength, or -1
+  int wavelength() const { return wavelength_; }  ///< Returns the index of the wavelength, or -1.
 
 private:
   std::size_t sample_;
   int wavelength_;
 };
 
-/// Whether a table must say of which paints its samples are. Colours alone do not need it.
+/// Whether a table must state the recipes of its samples. Colours alone do not need them.
 enum class Recipes { required, optional };
 
 /// Reads a table of text as laboratories write it. Cells are separated by commas, semicolons or tabs; with the last
@@ -100,7 +102,7 @@ struct Panel {
   std::string name;
   std::vector<double> values;
   int count = 0;                  ///< number of repeats
-  const Sample* first = nullptr;  ///< one of them, in the table
+  const Sample* first = nullptr;  ///< one of the repeats, in the table
 };
 
 /// The reflectances of a table as panels, in the file's order.
@@ -114,7 +116,7 @@ void match_card_names(SampleTable& table);
 /// the same recipe or specimen that state one are noted. Throws SampleError for a layer with a thickness and without a backing.
 void settle_backings(SampleTable& table);
 
-/// Throws SampleError for a reflectance above 1.05, which no paint has: it may be in per cent.
+/// Throws SampleError for a reflectance above 1.05, which no paint has: the value may be in per cent.
 void check_not_above_white(const SampleTable& table);
 
 /// Throws SampleError for a table that cannot be fitted: no wavelengths or samples, numbers of values and

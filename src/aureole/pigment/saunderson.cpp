@@ -15,7 +15,7 @@ using optics::kDegree;
 
 double counted(double reflected, Specular specular) { return specular == Specular::included ? reflected : 0; }
 
-/// The light of one mode, R + T or R - T, of a layer between two equal interfaces.
+/// Outer value of one mode, R + T or R - T, of a layer between two equal interfaces.
 double outer_mode(const Surface& s, double inner) { return s.through * inner / (1 - s.k2 * inner); }
 double inner_mode(const Surface& s, double outer) { return outer / (s.through + s.k2 * outer); }
 
@@ -100,7 +100,8 @@ Surface smooth_surface(double index, Geometry geometry, Specular specular) {
 double rough_diffuse_reflectance(double index, double alpha) {
   check_index(index);
   require_fraction(alpha, "alpha");
-  if (alpha < 1e-3) return optics::fresnel_diffuse_reflectance(index);  // facets are nearly parallel
+  // facets are nearly parallel to the surface
+  if (alpha < 1e-3) return optics::fresnel_diffuse_reflectance(index);
   // mu = m^2 concentrates nodes near grazing directions, where the albedo varies fast.
   return boost::math::quadrature::gauss<double, 40>::integrate(
       [&](double m) { return 4 * m * m * m * facet_albedo(m * m, index, alpha); }, 0.0, 1.0);

@@ -31,11 +31,11 @@ enum class Geometry {
               ///< at 8 degrees
   angle_45_0  ///< illuminated at 45 degrees, measured along the normal: never any specular light
 };
-/// The geometry called "diffuse", "d8" or "45_0".
+/// Returns the geometry called "diffuse", "d8" or "45_0".
 Geometry geometry_called(std::string_view name);
-/// "diffuse", "d8" or "45_0".
+/// Returns the name "diffuse", "d8" or "45_0".
 std::string_view name_of(Geometry geometry);
-/// "included" or "excluded".
+/// Returns the name "included" or "excluded".
 std::string_view name_of(Specular specular);
 
 /// A smooth interface to a binder of relative index n >= 1. k2 is the integral of the Fresnel reflectance for
@@ -59,9 +59,9 @@ double outer_reflectance(const Surface& surface, double inner);
 /// reflectance or implies an inner reflectance above one.
 double inner_reflectance(const Surface& surface, double outer);
 
-/// The reflectance that an instrument of geometry `to` would measure of a layer that one of geometry `from` measured:
-/// `outer_reflectance(to, inner_reflectance(from, outer))`, for a smooth binder of one index. With k1 of the binder it
-/// adds or removes gloss (specular component included or excluded).
+/// The reflectance that an instrument of geometry `to` would measure of a layer that an instrument of
+/// geometry `from` has measured: `outer_reflectance(to, inner_reflectance(from, outer))`, for a smooth binder
+/// of one index. With k1 of the binder it adds or removes gloss (specular component included or excluded).
 double converted_reflectance(const Surface& from, const Surface& to, double outer);
 
 /// Reflectance and transmittance of a layer with equal interfaces on both sides, in diffuse light:

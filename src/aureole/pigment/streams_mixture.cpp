@@ -36,7 +36,8 @@ std::vector<double> StreamsMixture::reflectance(std::span<const double> fraction
     const double depth = is_opaque ? 1 : thickness;
     FilmLayer layer{std::log(std::max(paint[i].k * depth, kLeast)),
                     std::log(std::max(paint[i].s * depth, kLeast))};
-    double scattering = 0;  // proportional to sigma_s, relative to that of the theory's own g
+    // a quantity proportional to sigma_s, relative to a paint with the theory's mean cosine
+    double scattering = 0;
     for (std::size_t p = 0; p < shares.size(); ++p) {
       const Pigment& one = palette_.pigments[p];
       scattering += shares[p] * one.s[i] * (one.g ? (1 - palette_.streams->g) / (1 - *one.g) : 1);

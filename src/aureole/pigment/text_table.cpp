@@ -17,8 +17,7 @@ std::vector<TextRow> read_text_table(std::istream& text, char separator) {
   const std::string blanks = separator == '\t' ? " " : " \t";
   for (int number = 1; std::getline(text, line); ++number) {
     if (number == 1 && line.starts_with("\xEF\xBB\xBF"))
-      line.erase(0, 3);  // byte order mark written by
-                         // spreadsheets
+      line.erase(0, 3);  // removes the byte order mark that spreadsheets write
     if (number > 100000) throw TextError(number, 0, "the table has more than 100000 lines");
     const auto first = line.find_first_not_of(std::string(" \t\r") + separator);
     if (first == line.npos || line[first] == '#') continue;
@@ -85,7 +84,7 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// Windows-1252 is Latin-1 but for these characters from 0x80 on; 0: none.
+/// Windows-1252 is Latin-1 except for the characters from 0x80 on; 0: no character.
 constexpr unsigned kWindows1252[32] = {0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
                                        0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
                                        0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
@@ -119,12 +118,12 @@ bool change_decimal_commas(std::vector<TextRow>& rows) {
 std::vector<TextRow> read_pairs(const std::string& text, bool both_are_numbers) {
   std::vector<TextRow> best;
   std::size_t most = 0;
-  // A comma may be a decimal comma, so that it comes after the others.
+  // A comma may be a decimal comma, so that it is tried after the other separators.
   for (const char separator : {';', '\t', ',', ' '}) {
     if (separator == ' ' && !both_are_numbers) continue;
     std::istringstream stream(text);
     std::vector<TextRow> rows = read_text_table(stream, separator);
-    for (TextRow& row : rows)  // blanks at the ends of lines
+    for (TextRow& row : rows)  // removes empty cells from blanks at the ends of lines
       while (separator == ' ' && row.cells.size() > 2 && row.cells.back().text.empty()) row.cells.pop_back();
     change_decimal_commas(rows);
     std::size_t count = 1;

@@ -10,7 +10,7 @@ namespace aureole::pigment {
 
 struct ScatteringLayer {
   double albedo = 0.9;   ///< single-scattering albedo, in [1e-6, 1]
-  double thickness = 1;  ///< in transport lengths 1/(sigma_s (1 - g)), in [1e-6, 1e6]
+  double thickness = 1;  ///< thickness in transport lengths 1/(sigma_s (1 - g)), in [1e-6, 1e6]
   double g = 0;          ///< mean cosine of the Henyey-Greenstein phase function, in [-0.99, 0.99]
   double index = 1.5;    ///< IOR of the layer, in [1, 10]; 1: no interface
   double substrate = 0;  ///< reflectance of the Lambertian substrate, in [0, 1]

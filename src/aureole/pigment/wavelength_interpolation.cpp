@@ -11,7 +11,7 @@ InterpolationWeights interpolation_weights(std::span<const double> nm, double wa
   const auto above = std::upper_bound(nm.begin(), nm.end(), wavelength);
   const std::size_t i = std::clamp<std::ptrdiff_t>(above - nm.begin(), 1, std::ptrdiff_t(nm.size()) - 1);
   const double l = std::clamp(wavelength, nm.front(), nm.back());
-  // Two points on either side, or the four at an end.
+  // The cubic uses two points on either side, or the four points at an end.
   const std::size_t first =
       nm.size() < 4 ? 0 : std::clamp<std::ptrdiff_t>(std::ptrdiff_t(i) - 2, 0, std::ptrdiff_t(nm.size()) - 4);
   if (nm.size() < 4 || nm[first + 3] - nm[first] > 3 * kWidestCubicStep) {

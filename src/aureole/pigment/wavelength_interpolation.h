@@ -8,7 +8,7 @@
 
 namespace aureole::pigment {
 
-/// Wider gaps between wavelengths [nm] are bridged by straight lines.
+/// Widest gap between wavelengths that cubics bridge [nm]; wider gaps are bridged by straight lines.
 inline constexpr double kWidestCubicStep = 20.5;
 
 /// A value between measured wavelengths: the sum of weight[j] times the value at the wavelength first + j.

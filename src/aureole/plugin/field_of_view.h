@@ -20,7 +20,7 @@ public:
 private:
   std::string axis_;
   double focal_length_mm_;
-  double degrees_;  ///< negative if the focal length is used
+  double degrees_;  ///< field of view; negative if the focal length is used
 };
 
 }  // namespace aureole

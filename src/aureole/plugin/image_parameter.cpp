@@ -56,14 +56,14 @@ ImageParameter read_image_parameter(const Properties& p, ImageColors colors, std
   }
 }
 
-/// Negative values whose sum is less than this part of the positive ones come from resampling or from colours
-/// that sRGB does not have.
+/// Negative values count as artefacts, of resampling or of colours outside sRGB, if their sum is less than
+/// this fraction of the positive values.
 constexpr double kNegativePart = 0.1;
 
 namespace {
 
 struct PixelStatistics {
-  float largest = 0;            ///< of the magnitudes
+  float largest = 0;            ///< largest magnitude
   double above = 0, below = 0;  ///< sums of the magnitudes of positive and of negative values
   bool all_finite = true;
 };

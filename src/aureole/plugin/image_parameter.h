@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a plug-in: the file `filename`, or the numbers `data` that a program passes in memory.
+// The picture of a plug-in: the file `filename`, or the array `data` that a program passes in memory.
 #pragma once
 
 #include <limits>
@@ -18,9 +18,9 @@ struct ImageParameter {
   std::string name;  ///< name of the parameter that gave the picture, for errors about its content
 };
 
-/// Reads the picture, and notes how its file was understood. Throws an Error located at the parameter if neither or both are given, if the file
-/// cannot be read, for more than `max_pixels`, or for an array whose shape is not height x width [x 1, 3 or
-/// 4].
+/// Reads the picture, and notes assumptions about its file. Throws an Error located at the parameter if
+/// neither or both are given, if the file cannot be read, for more than `max_pixels`, or for an array whose
+/// shape is not height x width [x 1, 3 or 4].
 ImageParameter read_image_parameter(const Properties& properties, ImageColors colors = ImageColors::srgb,
                                     std::size_t max_pixels = std::size_t(1) << 30);
 
@@ -32,7 +32,7 @@ enum class PixelRange { any, not_negative, radiance };
 /// Returns false if no value is negative any more.
 bool mend_pixels(const Properties& properties, std::string_view name, Image& image, PixelRange range);
 
-/// Rows of the parameter table for `filename` and `data`.
+/// Returns the rows of the parameter table for `filename` and `data`.
 ParameterDoc image_file_doc(const std::string& meaning);
 ParameterDoc image_data_doc();
 

@@ -11,7 +11,7 @@ namespace aureole {
 
 namespace {
 
-/// Splits the list `name` into words and returns the numbers that `parse` makes of them.
+/// Splits the list `name` into words and returns the numbers that `parse` returns for them.
 template <class Parse>
 std::vector<double> parse_list(const Properties& properties, std::string_view name, const Parse& parse) {
   const std::string all = properties.get_string(name);

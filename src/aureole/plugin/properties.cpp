@@ -257,7 +257,7 @@ ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& cr
   try {
     object = create(*this);
   } catch (const Error& e) {
-    // An error at a parameter that already has an error is a consequence of that one.
+    // An error at a parameter that already has an error is a consequence of the first one.
     const auto says_same = [&](const Error& known) {
       return known.where().line > 0 && known.where().str() == e.where().str();
     };
@@ -268,7 +268,7 @@ ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& cr
     if (std::none_of(making_.problems.begin(), making_.problems.end(), says_same))
       making_.problems.push_back(e);
   } catch (const std::exception&) {
-    // A constructor that continued with a fallback value may fail for that reason alone.
+    // A constructor that continued with a fallback value may fail because of that value.
     if (making_.problems.empty()) {
       making_.now = false;
       throw;
@@ -291,7 +291,7 @@ void Properties::take_reads(const Properties& part) const {
   for (const Entry& read : part.entries_)
     for (const Entry& e : entries_)
       if (read.used && same(read, e)) e.used = true;
-  // The part was made for this plug-in, or both have none.
+  // The properties `part` were made for the same plug-in, or both belong to none.
   for (const ParameterDoc* row : part.queried_) add_once(queried_, row);
   for (const std::string& name : part.queried_without_plugin_) add_once(queried_without_plugin_, name);
 }

@@ -54,17 +54,18 @@ struct BuildContext {
 /// (reflectance, emission).
 struct SpectrumLiteral {
   enum class Kind { value, rgb, points } kind = Kind::value;
-  double value = 0;                ///< Kind::value
-  double rgb[3] = {0, 0, 0};       ///< Kind::rgb, linear sRGB
-  std::vector<double> nm, values;  ///< Kind::points, nm increasing
-  bool unit_is_stated = false;     ///< Kind::points: the unit of the wavelengths was not taken for granted
+  double value = 0;                ///< value of Kind::value
+  double rgb[3] = {0, 0, 0};       ///< value of Kind::rgb, linear sRGB
+  std::vector<double> nm, values;  ///< points of Kind::points, with nm increasing
+  /// for Kind::points, whether the unit of the wavelengths is stated instead of assumed
+  bool unit_is_stated = false;
 };
 
 /// A closed or half-open interval that must contain a number.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool open_min = false;  ///< min itself is not allowed
+  bool open_min = false;  ///< whether min itself is excluded
 
   static Range positive() { return {0, std::numeric_limits<double>::infinity(), true}; }
   static Range non_negative() { return {0}; }
@@ -93,7 +94,7 @@ public:
     return get_if_shared<SpectrumLiteral>(value);
   }
   struct Entry {
-    std::string name;  ///< empty for unnamed child objects
+    std::string name;  ///< name of the parameter; empty for unnamed child objects
     Value value;
     SourceLocation where;
     mutable bool used = false;
@@ -110,7 +111,7 @@ public:
   const PluginInfo* plugin() const { return plugin_; }
   /// Sets a hash of everything written for the object except its name and id; 0: unknown.
   void set_content(std::uint64_t hash) { content_ = hash; }
-  /// That hash; 0 where it is not known.
+  /// Returns the hash set by `set_content`; 0 where it is not known.
   std::uint64_t content() const { return content_; }
 
   /// For a shape: sorted names of the attributes that textures on it use. The shape's reader keeps only
@@ -118,7 +119,7 @@ public:
   const std::vector<std::string>& shown_attributes() const { return shown_attributes_; }
   void set_shown_attributes(std::vector<std::string> names) { shown_attributes_ = std::move(names); }
 
-  /// Allocates memory for so many parameters.
+  /// Allocates memory for `count` parameters.
   void reserve(std::size_t count) { entries_.reserve(count); }
   /// Adds a parameter. Throws Error at `where` if the name is taken.
   void add(std::string name, Value value, SourceLocation where);
@@ -167,7 +168,7 @@ public:
     return found;
   }
 
-  /// An Error located at the parameter, or at the object if the parameter is absent.
+  /// Returns an Error located at the parameter, or at the object if the parameter is absent.
   [[nodiscard]] Error error(std::string_view name, const std::string& message) const;
   /// Emits a note to the user about a parameter that is accepted but has no effect here.
   void note(std::string_view name, const std::string& message) const;
@@ -183,7 +184,7 @@ public:
     if (!context_->models || content_ == 0) return make();
     bool is_new = false;
     auto model = context_->models->get<T>(content_, [&] { return is_new = true, make(); });
-    if (!is_new) mark_documented_read();  // as `make` did for the equal object
+    if (!is_new) mark_documented_read();  // marks the parameters as read, as `make` did for the equal object
     return model;
   }
 
@@ -200,7 +201,7 @@ public:
   }
 
   /// Records that values of the parameter which are known only later, such as the values of a mesh attribute,
-  /// must not exceed `maximum`. All copies of these properties share the record.
+  /// must not exceed `maximum`. All copies of the properties share this record.
   void expect_at_most(std::string_view name, double maximum) const;
   /// The recorded maximum; infinite if there is none.
   double most_expected(std::string_view name) const;
@@ -258,8 +259,9 @@ private:
   std::uint64_t content_ = 0;
   std::vector<Entry> entries_;
   std::vector<std::string> shown_attributes_;
-  mutable std::vector<const ParameterDoc*> queried_;         ///< rows of the plug-in that were queried
-  mutable std::vector<std::string> queried_without_plugin_;  ///< names, if there is no plug-in
+  mutable std::vector<const ParameterDoc*> queried_;  ///< rows of the plug-in that were queried
+  mutable std::vector<std::string>
+      queried_without_plugin_;  ///< names that were queried, if there is no plug-in
   /// State of the constructor that is running with these parameters. A copy starts with an empty state.
   struct Making {
     bool now = false;
@@ -272,7 +274,8 @@ private:
     Making& operator=(Making&&) = default;
   };
   mutable Making making_;
-  std::shared_ptr<std::vector<std::pair<std::string, double>>> most_expected_;  ///< shared by all copies
+  /// record of `expect_at_most`, shared by all copies
+  std::shared_ptr<std::vector<std::pair<std::string, double>>> most_expected_;
 };
 
 }  // namespace aureole

@@ -38,7 +38,8 @@ double read_unit_m(const Properties& p) {
   throw p.error("size_unit", "\"" + unit + "\" is not a unit of length: use nm, um, mm, cm, m or km");
 }
 
-/// Returns radii in the unit of the file, and weights, of a histogram. `place` becomes the parameter for messages.
+/// Returns the rows of a histogram: radii in the unit of the file, and weights. `place` becomes the parameter
+/// at which messages are located.
 std::vector<std::pair<double, double>> read_rows(const Properties& p, bool edges, const char*& place) {
   const bool file = p.has("size_histogram");
   place = file ? "size_histogram" : "sizes";
@@ -90,7 +91,7 @@ optics::RadiusDistribution read_histogram(const Properties& p) {
   const auto rows = read_rows(p, edges, place);
   std::vector<double> radii, weights;
   double total = 0;
-  // Checked here, too, so that messages have the numbers of the user and not radii in metres.
+  // The rows are checked here as well, so that messages have the user's numbers and not radii in metres.
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto [size, weight] = rows[i];
     const std::string where = ", at the size " + shown_number(size);

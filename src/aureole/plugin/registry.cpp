@@ -44,7 +44,7 @@ Registry& Registry::instance() {
   return registry;
 }
 
-// A family may register before or after its plug-ins; the order is the linker's.
+// Adds a family. It may register before or after its plug-ins, since the linker decides the order.
 void Registry::add(FamilyInfo info) {
   if (family(info.name)) throw std::logic_error("family registered twice: " + info.name);
   for (PluginInfo& plugin : plugins_)

@@ -25,7 +25,7 @@ struct ParameterDoc {
   /// type `file` only, the loader searches the file next to the scene, hashes its content, and reports an
   /// error if it is missing.
   std::string type;
-  std::string unit;      ///< empty if there is none
+  std::string unit;      ///< unit of the parameter; empty if there is none
   std::string fallback;  ///< the default as a user would write it; "required" or "none"
   std::string meaning;
 };
@@ -38,13 +38,14 @@ struct PluginDoc {
   std::vector<ParameterDoc> parameters = {};
   /// XML of instances that together read every parameter; shown in the docs and built by the tests.
   std::vector<std::string> examples = {};
-  bool takes_shared_parameters = true;  ///< whether the family's shared parameters apply
-  bool needs_shape = false;             ///< has no effect by itself: it must be a child of a shape
+  bool takes_shared_parameters = true;  ///< whether the family's shared parameters apply to the plug-in
+  /// whether the plug-in has no effect by itself, since it must be a child of a shape
+  bool needs_shape = false;
   std::string advice = "";  ///< a note for scenes that use this plug-in, if another one is the better choice
 };
 
 struct PluginInfo {
-  std::string family;  ///< the name of a FamilyInfo
+  std::string family;  ///< family of the plug-in, the name of a FamilyInfo
   std::string name;
   PluginDoc doc;
   std::function<ObjectPtr(const Properties&)> create;
@@ -65,11 +66,13 @@ struct FamilyInfo {
   std::string name;                 ///< the XML element of its objects: bsdf, shape, texture, ...
   std::string second_element = "";  ///< a further XML element of its objects, recognised by a `type`
   std::string fallback = "";        ///< the default plug-in if a scene gives none; empty: no default
-  std::vector<ParameterDoc> parameters = {};  ///< rows that all of its plug-ins share
-  bool parameters_are_of_render = false;      ///< they control rendering only: excluded from the hash
-  bool belongs_to_shapes = false;             ///< as children of a shape they do not change its geometry
-  /// An object depends only on its parameters, the wavelengths and the unit of length. While these stay the
-  /// same, it is reused in later versions of the scene.
+  std::vector<ParameterDoc> parameters = {};  ///< rows that all plug-ins of the family share
+  /// whether the parameters control rendering only, so that they are excluded from the hash
+  bool parameters_are_of_render = false;
+  /// whether such an object, as a child of a shape, leaves its geometry unchanged
+  bool belongs_to_shapes = false;
+  /// Whether an object depends only on its parameters, the wavelengths and the unit of length. Such an object
+  /// is reused in later versions of the scene while these are unchanged.
   bool is_reusable = false;
 
   /// Whether a shared row has that name.
@@ -79,14 +82,15 @@ struct FamilyInfo {
 class Registry {
 public:
   static Registry& instance();
-  void add(FamilyInfo info);  ///< throws std::logic_error if the name is taken
-  void add(PluginInfo info);  ///< throws std::logic_error if the name is taken
+  void add(FamilyInfo info);  ///< Adds a family. Throws std::logic_error if the name is taken.
+  void add(PluginInfo info);  ///< Adds a plug-in. Throws std::logic_error if the name is taken.
   const FamilyInfo* family(std::string_view name) const;
   /// Returns the family of the object that an element <tag> or <tag type="..."> describes, or null.
   const FamilyInfo* family_of_element(std::string_view tag, bool has_type) const;
   const PluginInfo* find(std::string_view family, std::string_view name) const;
-  std::vector<std::string> families() const;                      ///< sorted
-  std::vector<std::string> names(std::string_view family) const;  ///< sorted
+  std::vector<std::string> families() const;  ///< Returns the names of all families, sorted.
+  /// Returns the names of a family's plug-ins, sorted.
+  std::vector<std::string> names(std::string_view family) const;
   const std::vector<PluginInfo>& all() const { return plugins_; }
 
 private:

@@ -5,12 +5,13 @@
 
 namespace aureole {
 
-/// Implemented by plug-ins that compute large tables when they are loaded, so that the size can be printed.
+/// An interface of plug-ins that compute large tables when they are loaded, so that the size can be printed.
 class TableHolder {
 public:
   virtual ~TableHolder() = default;
   struct Tables {
-    const void* identity = nullptr;  ///< equal for objects that share tables; null if tables were not made
+    /// identity of the tables: equal for objects that share tables; null if tables were not made
+    const void* identity = nullptr;
     std::size_t bytes = 0;
   };
   virtual Tables tables() const = 0;

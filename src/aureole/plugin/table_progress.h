@@ -10,21 +10,21 @@
 
 namespace aureole {
 
-/// Callback: the fraction `part`, 0 to 1 (an estimate), of the tables of `object` is computed. Called
-/// concurrently from the threads that compute them. An exception that it throws ends the computation and the
-/// loading. To pass through unchanged it must not derive from std::exception, which would become an error of
-/// the object.
+/// Callback for progress: `part`, from 0 to 1, is the estimated fraction of the tables of `object` that is
+/// computed. It is called concurrently from the threads that compute them. An exception that it throws ends
+/// the computation and the loading. To pass through unchanged it must not derive from std::exception, which
+/// would become an error of the object.
 using TableProgress = std::function<void(const std::string& object, double part)>;
 
-/// Implemented by the scene under construction (`BuildContext::scene`) if somebody requested progress
-/// reports.
+/// An interface of the scene under construction (`BuildContext::scene`) if progress reports were requested.
 class TableListener {
 public:
   virtual ~TableListener() = default;
   virtual const TableProgress& table_progress() const = 0;
 };
 
-/// Returns the progress callback for tables of the object with these properties; null if nobody listens.
+/// Returns the progress callback for tables of the object with these properties; null if there is no
+/// listener.
 std::function<void(double part)> progress_of(const Properties& properties);
 
 }  // namespace aureole

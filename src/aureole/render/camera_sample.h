@@ -15,8 +15,8 @@ inline std::uint64_t pixel_key(std::uint64_t seed, int replicate, int x, int y) 
   return combine_bits(combine_bits(seed, std::uint64_t(replicate)), pixel);
 }
 
-/// Begins sample `index` of the pixel (x, y) of the film. On return `samples` stands at the first dimension
-/// of the path.
+/// Begins sample `index` of the pixel (x, y) of the film. On return the next dimension of `samples` is the
+/// first one of the path.
 inline SensorRay begin_camera_sample(const Scene& scene, std::uint64_t key, int x, int y, std::int64_t index,
                                      SampleStream& samples, Wavelengths& wavelengths, Vec2& position) {
   const PlacedSensor& sensor = scene.sensor();

@@ -99,7 +99,7 @@ void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
                        adaptive_target(state_.identity.adaptive));
   const std::lock_guard guard(lock_->mutex);
   state_.density = std::move(density);
-  // The pilot's samples belong to the first units, which are the tiles of replicate 0.
+  // The pilot's samples belong to the first units of the job, which are the tiles of replicate 0.
   if (state_.begin == 0) pilot_tiles_left_ = state_.tiles() - state_.done.count({0, state_.tiles()});
   if (pilot_tiles_left_ > 0) pilot_ = pilot;
 }

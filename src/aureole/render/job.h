@@ -38,7 +38,7 @@ public:
   /// Removes the state file of a finished job, unless it is to be kept, if this job or the one it continues
   /// wrote it. Call it after the pictures are written.
   void remove_state() const;
-  /// Error message of the last checkpoint, or an empty string.
+  /// Error message of the last checkpoint, or an empty string where it was written.
   const std::string& checkpoint_problem() const { return checkpoint_problem_; }
 
   /// Renders all units that are not done. A signal handler may set `stop`. `report` is called from one
@@ -65,10 +65,10 @@ private:
   void find_densities(int threads, const std::atomic<bool>& stop,
                       const std::function<void(std::int64_t)>& report);
   void render_unit(std::int64_t unit, UnitResult& result);
-  /// Marks a unit as done. `lock_` must be held.
+  /// Counts a unit as done. The caller must hold `lock_`.
   void count_as_done(std::int64_t unit, const std::vector<InvalidSample>& invalid);
   void checkpoint(double seconds);
-  /// Updates the splat weights of the state to the units done. Both locks must be held.
+  /// Updates the splat weights of the state to the units done. The caller must hold both locks.
   void finish(RenderState& state) const;
 
   std::shared_ptr<const Scene> scene_;
@@ -76,7 +76,8 @@ private:
   RenderOptions options_;
   std::shared_ptr<const UnitRenderer> renderer_;
   RenderState state_;
-  std::shared_ptr<const Pilot> pilot_;  ///< until the units that contain its samples are rendered
+  std::shared_ptr<const Pilot>
+      pilot_;  ///< samples of the pilot, kept until the units that contain them are rendered
   std::atomic<std::int64_t> pilot_tiles_left_{0};
   bool wrote_state_ = false;
   std::string checkpoint_problem_;

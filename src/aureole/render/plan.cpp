@@ -23,7 +23,7 @@ void require_range(const Film& film, const RenderOptions& options, std::int64_t 
   if (options.replicates < 1) throw Error("there must be at least one replicate");
   if (2 * FilterTable(film.filter()).border() + 1 > FilterTable::kMaxReach)
     throw Error(film.filter().properties().where(), "the reconstruction filter is wider than 65 pixels");
-  // The samplers' index is a 32-bit number.
+  // The samplers' index is a 32-bit number, which bounds the samples of a pixel.
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options.begin, end));
 }

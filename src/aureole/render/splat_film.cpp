@@ -9,8 +9,8 @@ namespace aureole {
 
 namespace {
 
-/// Integrals of the filter of each pixel of a row of `size` over the positions of samples, [-outside, size +
-/// outside].
+/// For each pixel of a row of `size`, the integral of its filter over the positions of samples, [-outside,
+/// size + outside].
 std::vector<float> filter_integrals(const FilterTable& filter, int size, int outside) {
   // With a box filter, each sample is added to its own pixel only, with weight 1.
   if (filter.is_box()) return std::vector<float>(size_t(size), 1.f);
@@ -123,7 +123,7 @@ void SplatFilm::add(const SplatList& list, FilmBuffer& film) const {
     };
     const std::lock_guard guard(band_locks_[band]);
     for (size_t i = list.band_begin[band], end = list.band_begin[band + 1]; i < end; ++i) {
-      // Splats are at random positions of a film larger than the caches.
+      // Prefetches pixels, since splats are at random positions of a film larger than the caches.
       if (i + 2 < end) prefetch(reach(list.positions[list.in_band[i + 2]]));
       const size_t splat = list.in_band[i];
       const Vec2 s = list.positions[splat];
@@ -151,7 +151,8 @@ void SplatFilm::set_weights(RenderState& state) const {
     paths[size_t(u.replicate)] += u.samples() * blocks;
   };
   for (const UnitRanges::Range& range : state.done.ranges()) {
-    // Whole blocks of kSampleBlock samples have the same units. The last block of a picture may be cut short.
+    // A whole block of kSampleBlock samples has as many units in every picture. The last block of a picture
+    // may be cut short.
     const std::int64_t last_whole = (state.end - state.begin) / kSampleBlock * per_block;
     const std::int64_t first = (range.begin + per_block - 1) / per_block * per_block,
                        last = std::min(range.end, last_whole) / per_block * per_block;
@@ -168,8 +169,8 @@ void SplatFilm::set_weights(RenderState& state) const {
     const int channels = film.measured_channels();
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x) {
-        // An integer multiple in fixed point, so that the weights of partial pictures add up exactly to the
-        // whole picture's.
+        // The weight is an integer multiple in fixed point, so that the weights of partial pictures add up
+        // exactly to the whole picture's.
         const Fixed weight = Fixed(paths[r]) * to_fixed(weights_x_[size_t(x)] * weights_y_[size_t(y)]);
         Fixed* p = film.pixel(x, y);
         p[channels] = p[channels + 1] = weight;

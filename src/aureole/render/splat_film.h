@@ -19,9 +19,9 @@ namespace aureole {
 
 /// Splats to be added to the film. Buffers are reused between units.
 struct SplatList {
-  std::vector<int> paths;                          ///< index of each splat's path in its batch
-  std::vector<Vec2> positions;                     ///< relative to the crop's corner
-  std::vector<float> measured;                     ///< the film's channels of each splat
+  std::vector<int> paths;       ///< index of each splat's path in its batch
+  std::vector<Vec2> positions;  ///< position of each splat relative to the crop's corner [pixels]
+  std::vector<float> measured;  ///< the film's channels of each splat
   std::vector<std::uint32_t> band_begin, in_band;  ///< indices of the splats that reach each band of rows
 
   void clear() { paths.clear(), positions.clear(), measured.clear(); }
@@ -49,7 +49,7 @@ private:
   const Film* film_;
   FilterTable filter_;
   bool may_be_negative_;
-  FilmPart area_;      ///< where splats are counted
+  FilmPart area_;      ///< the part of the film on which splats are counted
   float sample_area_;  ///< [pixels^2]: number of paths per sample index
   int band_height_;
   std::unique_ptr<std::mutex[]> band_locks_;  ///< one per band of rows, so that threads add concurrently

@@ -124,7 +124,8 @@ std::int64_t RenderState::samples_everywhere() const {
 void RenderState::set_range(std::int64_t new_begin, std::int64_t new_end) {
   if (new_begin == begin && new_end == end) return;
   const std::int64_t per_block = units_per_block();
-  // Blocks at the ends of a range of units are checked; those between have the same samples before and after.
+  // Blocks at the ends of a range of units are checked; the blocks between have the same samples before and
+  // after.
   const auto require_block = [&](std::int64_t block) {
     const std::int64_t sample = begin + block * kSampleBlock;
     const std::int64_t old_stop = std::min(sample + kSampleBlock, end),
@@ -277,7 +278,7 @@ RenderState RenderState::from_bytes(std::span<const char> bytes, const SourceLoc
     for (auto* buffers : {&s.films, &s.splats})
       for (auto& f : *buffers) needed += f.data().size() * sizeof(Fixed);
     if (needed != std::size_t(bytes.data() + bytes.size() - 8 - p)) throw broken;
-    std::int64_t after = -1;  // ranges that touch would be one
+    std::int64_t after = -1;  // two ranges that touch would be one
     for (std::size_t i = 0; i < range_count; ++i, p += sizeof(UnitRanges::Range)) {
       UnitRanges::Range range;
       std::memcpy(&range, p, sizeof range);

@@ -16,15 +16,15 @@
 
 namespace aureole {
 
-inline constexpr int kTileSize = 16;     ///< pixels
-inline constexpr int kSampleBlock = 16;  ///< samples of a work unit, aligned
+inline constexpr int kTileSize = 16;     ///< side of a tile [pixels]
+inline constexpr int kSampleBlock = 16;  ///< samples of a work unit; a block begins at a multiple of it
 
 /// Identifies the picture of a state. Two states can be merged or resumed only if all of this agrees.
 struct PictureIdentity {
   std::string scene, version, sampler, integrator;
   std::string adaptive = "none";
   std::uint64_t scene_hash = 0, seed = 0;
-  int random_version = 0;  ///< kRandomVersion of transport/dimensions.h
+  int random_version = 0;  ///< version of the random numbers: kRandomVersion of transport/dimensions.h
   int wavelengths = 0;
   int width = 0, height = 0, border = 0, measured_channels = 0, replicates = 1;
   /// Number of channels of splats that have a film apart from the pixels' own samples; 0 without splats.
@@ -64,7 +64,7 @@ public:
   PictureIdentity identity;
   Development development;
   std::int64_t begin = 0, end = 0;  ///< requested samples; `begin` is a multiple of kSampleBlock
-  std::vector<FilmBuffer> films;    ///< one per replicate
+  std::vector<FilmBuffer> films;    ///< sums of the film, one per replicate
   /// Splats of paths whose own radiance belongs to their pixels, one film per replicate. Splats add to the
   /// first channels of `films`, but are divided by the number of paths.
   std::vector<FilmBuffer> splats;
@@ -109,8 +109,9 @@ public:
   /// that would leave a gap.
   void merge(const RenderState& other);
 
-  void save(const std::filesystem::path& file) const;          ///< writes atomically
-  static RenderState load(const std::filesystem::path& file);  ///< throws Error: missing, truncated, corrupt
+  void save(const std::filesystem::path& file) const;  ///< Writes the state to a file atomically.
+  /// Reads a state file. Throws Error where it is missing, truncated or corrupt.
+  static RenderState load(const std::filesystem::path& file);
 
   /// The content of a state file.
   std::vector<char> to_bytes() const;
@@ -127,7 +128,7 @@ public:
 /// Linear sRGB encoded for display; highlights above 0.8 are compressed, nothing else is changed.
 Image display_picture(Image rgb);
 
-/// Memory of a state in bytes.
+/// Returns the memory of a state in bytes.
 double state_bytes(int width, int height, int measured_channels, int replicates);
 double state_bytes(const PictureIdentity& identity);
 

@@ -14,7 +14,7 @@ namespace aureole {
 
 namespace {
 
-/// Maps Student's t to the normal value of equal probability, by a table over asinh(t).
+/// Maps a value of Student's t to the normal value of equal probability, by a table over asinh(t).
 class NormalOfStudent {
 public:
   explicit NormalOfStudent(double degrees_of_freedom) {
@@ -34,7 +34,9 @@ public:
   }
 
 private:
-  static constexpr double kNormal = 1000, kStep = 0.01;  // z^2 is 1.002 on average at 1000
+  static constexpr double
+      kNormal = 1000,
+      kStep = 0.01;  // degrees of freedom treated as infinite: z^2 is 1.002 on average at 1000
   static constexpr int kNodes = 3000;
   std::vector<double> z_;
 };
@@ -113,7 +115,7 @@ Comparison compare_images(const Image& a, const Image& b, double rounding, Repli
   std::vector<double> zs;
   c.z_map.width = a.width, c.z_map.height = a.height, c.z_map.channels = {"Z"};
   c.z_map.pixels.assign(size_t(a.width) * size_t(a.height), 0.f);
-  // A small channel of a saturated colour is a difference of large numbers and has their rounding error.
+  // A dark channel of a saturated colour is a difference of large numbers and has their rounding error.
   const int rgb[3] = {b.channel("R"), b.channel("G"), b.channel("B")};
   const auto largest = [&](int x, int y, int channel) {
     float m = 0;

@@ -32,12 +32,12 @@ struct ZTest {
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
   bool passes = false;
 
-  /// Whether there are too few replicates for any verdict, or for one on single values: noise of pixels is
-  /// not normal, and a few replicates often miss its tail together.
+  /// Whether there are too few replicates for any verdict, or for a verdict on single values: the noise of
+  /// pixels is not normal, and all of a few replicates often miss the tail of its distribution.
   bool has_too_few_replicates() const { return degrees_of_freedom < 1.9; }
   bool judges_values() const { return degrees_of_freedom >= 4; }
 
-  /// Whether it fails only because the differences are too small for independent noise.
+  /// Whether the test fails only because the differences are too small for independent noise.
   bool shares_noise() const {
     return !passes && !has_too_few_replicates() && is_within && mean_square < kZMeanSquareMin;
   }
@@ -70,12 +70,12 @@ Comparison compare_images(const Image& a, const Image& b, double rounding = kSto
                           Replicates replicates = {});
 
 /// Names of the layers that both pictures have: channels are grouped by their names before the last dot; R, G,
-/// B and Y without a dot are the layer "", any other channel is its own. Without alpha and variances.
+/// B and Y without a dot are the layer "", any other channel is its own. Alpha and variances are no layers.
 std::vector<std::string> common_layers(const Image& a, const Image& b);
 /// The channels of one layer and their variances.
 Image layer_of(const Image& image, const std::string& layer);
 
-/// A diverging colour map of the z-values as PNG.
+/// Writes the z-values as a PNG with a diverging colour map.
 void write_z_map(const Comparison& c, const std::filesystem::path& file);
 
 }  // namespace aureole

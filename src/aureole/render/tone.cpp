@@ -50,7 +50,8 @@ Image toned(const Image& picture, const Tone& tone) {
         continue;
       }
       const double target = std::min(1.0, b > 0 ? std::asinh(b * luminance) / std::asinh(b) : luminance);
-      // Desaturates colours outside the display's gamut, keeping hue and brightness.
+      // Fraction of the saturation that is kept: colours outside the display's gamut are desaturated at
+      // constant hue and brightness.
       double keep = 1;
       for (double& v : c) {
         v *= target / luminance;

@@ -11,7 +11,7 @@ namespace aureole {
 /// Maps the luminance y times 2^exposure to asinh(compression y)/asinh(compression). White is y = 1, and
 /// compression 0 leaves y unchanged. The hue is kept.
 struct Tone {
-  double exposure = 0;  ///< [stops]
+  double exposure = 0;  ///< exposure [stops]
   double compression = 0;
 
   /// Parses "asinh", "asinh:100" or "asinh:100:-2": compression (default 50) and exposure. Throws Error.

@@ -42,7 +42,7 @@ public:
   bool operator==(const UnitRanges&) const = default;
 
 private:
-  std::map<std::int64_t, std::int64_t> ends_;  ///< by begin
+  std::map<std::int64_t, std::int64_t> ends_;  ///< end of each range by its begin
   std::int64_t count_ = 0;
 };
 

@@ -68,7 +68,7 @@ private:
   static void put(float* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 
   const FilterTable& filter_;
-  const int channels_, length_;  ///< number of floats of a row in reach of a sample
+  const int channels_, length_;  ///< floats of a row of pixels within reach of a sample
   std::vector<float> numbers_;   ///< values of the sample, padded with zeros
   std::vector<float> weights_, values_;
 };
@@ -129,7 +129,7 @@ private:
   static constexpr int kPaths = kBatch, kEntries = 4 * kPaths;
   struct Entry {
     Sample sample;
-    int path;  ///< -1: traced by the pilot
+    int path;  ///< index of the path in the batch; -1: traced by the pilot
     const float* values;
   };
   float* values(int path) { return &measured_[size_t(path * renderer_.channels_)]; }

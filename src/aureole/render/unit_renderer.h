@@ -22,19 +22,19 @@ struct UnitResult {
   /// The block for FilmBuffer::add, followed by some padding; empty if paths belong to no pixel.
   std::vector<float> sums;
   SplatList splats;
-  std::vector<InvalidSample> invalid;  ///< relative to the crop's corner
+  std::vector<InvalidSample> invalid;  ///< invalid samples; their pixels are relative to the crop's corner
 };
 
 /// One sample of a pixel, traced again for inspection.
 struct ReplayedSample {
-  bool valid = false;           ///< no value is NaN, infinite, negative or too large
+  bool valid = false;           ///< whether no value is NaN, infinite, negative or too large
   std::vector<float> measured;  ///< values for its pixel; empty if paths belong to no pixel
   std::vector<float> splatted;  ///< the film's channels of all its splats, concatenated
 };
 
 /// The first kPilotSamples samples of each pixel of replicate 0.
 struct Pilot {
-  std::vector<PixelNoise> noise;  ///< for all pixels, border included, row by row
+  std::vector<PixelNoise> noise;  ///< noise of all pixels, border included, row by row
   /// The sample values, so that they need not be traced again; empty if they would need too much memory.
   std::vector<float> samples;
 };
@@ -50,7 +50,7 @@ public:
   void trace(const RenderState& layout, std::int64_t unit, const Pilot* pilot, UnitResult& result) const;
   /// Allocates the pilot of all pixels.
   Pilot make_pilot(const RenderState& layout) const;
-  /// Bytes of that memory for a picture whose samples start at `begin`.
+  /// Bytes that `make_pilot` allocates for a picture whose samples start at `begin`.
   static double pilot_bytes(double pixels, int measured_channels, std::int64_t begin);
   /// Traces the pilot of the pixels of a tile.
   void trace_pilot(const RenderState& layout, std::int64_t tile, Pilot& pilot) const;
@@ -67,11 +67,11 @@ private:
   struct SampleId {
     int x, y;
     std::int64_t index;
-    float weight;  ///< its weight on the film, besides the filter's
+    float weight;  ///< weight of the sample on the film, besides the filter's
   };
   struct Sample {
     SampleId id;
-    Vec2 position;  ///< relative to the crop's corner
+    Vec2 position;  ///< film position relative to the crop's corner
     float alpha;
     bool valid;
   };
@@ -82,9 +82,9 @@ private:
   /// Writes the film's values to `measured`, which already contains the integrator's values. Returns whether
   /// all are valid.
   bool measure(const Path& path, float sensor_weight, float* measured) const;
-  /// Count of floats of the pilot that are kept in memory.
+  /// Number of floats of the pilot that are kept in memory.
   static double kept_numbers(double pixels, int measured_channels, std::int64_t begin);
-  /// Count of floats of one sample of the pilot.
+  /// Number of floats of one sample of the pilot.
   static size_t record_size(int measured_channels) { return size_t(measured_channels) + 4; }
   /// Index of the record of a pixel's first sample.
   size_t pilot_record(const RenderState& layout, int x, int y) const;

@@ -14,11 +14,11 @@
 
 namespace aureole {
 
-/// The error whose sum of squares over the pixels adaptive sampling minimises. `absolute`: the difference
-/// itself; `display`: the difference divided by the square root of the pixel's brightness, approximately as
-/// perceived on a display; `relative`: the difference divided by the brightness. A tenth of the picture's
-/// mean is added to the brightness, so that black pixels do not dominate. `none`: all pixels have equally
-/// many samples.
+/// The error whose sum of squares over the pixels is minimised by adaptive sampling. `absolute`: the
+/// difference itself; `display`: the difference divided by the square root of the pixel's brightness,
+/// approximately as perceived on a display; `relative`: the difference divided by the brightness. A tenth of
+/// the picture's mean is added to the brightness, so that black pixels do not dominate. `none`: all pixels
+/// have equally many samples.
 enum class AdaptiveTarget { none, absolute, display, relative };
 /// The targets' names, in order.
 const std::vector<std::string>& adaptive_target_names();
@@ -29,7 +29,7 @@ std::string name_of(AdaptiveTarget error);
 class Sampler : public Object {
 public:
   static constexpr const char* kFamily = "a sampler";
-  static constexpr int kBlock = 8;  ///< dimensions computed together
+  static constexpr int kBlock = 8;  ///< number of dimensions that are computed together
   using Object::Object;
 
   /// Computes the 8 coordinates `8 block ... 8 block + 7` of a sample. `pixel_key` is random per seed and
@@ -49,7 +49,7 @@ private:
   AdaptiveTarget adaptive_ = AdaptiveTarget::none;
 };
 
-/// The coordinates of one sample of one pixel, by dimension. Caches the blocks of dimensions used last.
+/// The coordinates of one sample of one pixel, by dimension. It caches the blocks of dimensions used last.
 class SampleStream {
 public:
   SampleStream() = default;
@@ -94,7 +94,7 @@ public:
   static constexpr int choice(int vertex, int k) {
     return vertex / kVertices * 2 * kChoices + kChoices + 1 + vertex % kVertices * 4 + k;
   }
-  /// A random key for stochastic models, a function of (pixel, sample, dimension).
+  /// Returns a random key for stochastic models, a function of (pixel, sample, dimension).
   std::uint32_t key(int dimension) const {
     std::uint32_t x =
         std::uint32_t(pixel_key_) + 0x9e3779b9u * sample_ + 0x85ebca6bu * std::uint32_t(dimension);
@@ -121,7 +121,7 @@ private:
     alignas(32) float values[Sampler::kBlock];
     int block = -1;
   };
-  Slot slots_[2];  ///< one for directions, one for choices
+  Slot slots_[2];  ///< cached blocks, one for directions and one for choices
 };
 
 }  // namespace aureole

@@ -34,7 +34,7 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// The values of 8 dimensions.
+/// The coordinates of 8 dimensions, as 32-bit fractions.
 using Block = std::uint32_t __attribute__((vector_size(32)));
 
 /// Generator matrices, for 8 dimensions at a time. They are bit-reversed, because the scrambling works on
@@ -50,11 +50,11 @@ struct Matrices {
       while (!(t.polynomial >> degree)) --degree;
       for (int i = 0; i < 32; ++i) {
         if (d == 0) {
-          v[i] = 1u << (31 - i);  // van der Corput
+          v[i] = 1u << (31 - i);  // the first dimension is van der Corput's sequence
         } else if (i < degree) {
           v[i] = t.m[size_t(i)] << (31 - i);
         } else {
-          // Bratley & Fox 1988, "Algorithm 659", Eq. 3.
+          // Recurrence of direction numbers by Bratley & Fox 1988, "Algorithm 659", Eq. 3.
           v[i] = v[i - degree] ^ (v[i - degree] >> degree);
           for (int k = 1; k < degree; ++k)
             if ((t.polynomial >> (degree - k)) & 1) v[i] ^= v[i - k];
@@ -90,7 +90,7 @@ Block reverse_bits(Block x) {
 
 /// A hash whose output bits depend only on input bits at or below them. On reversed bits this is a nested
 /// uniform (Owen) scramble (Laine & Karras 2011, "Stratified sampling for stochastic transparency"; constants
-/// of N. Vegdahl, 2021). For one number or a block.
+/// of N. Vegdahl, 2021). It takes one number or a block.
 template <class T>
 constexpr T owen_hash(T x, T seed) {
   x ^= x * 0x3d20adeau;
@@ -119,7 +119,7 @@ public:
     Block x{};
     for (; index; index &= index - 1) x ^= columns[__builtin_ctz(index)];
     const std::uint32_t key = std::uint32_t(pixel_key) ^ std::uint32_t(pixel_key >> 32);
-    // A 32-bit hash finaliser (C. Wellons' "lowbias32").
+    // Seeds by a 32-bit hash finaliser (C. Wellons' "lowbias32").
     Block seed = key + 0x9e3779b9u * (std::uint32_t(block * kBlock + 1) + Block{0, 1, 2, 3, 4, 5, 6, 7});
     seed ^= seed >> 16;
     seed *= 0x21f0aaadu;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions about bounding boxes, which allow for rounding errors.
+// Predicates on bounding boxes, which allow for rounding errors.
 #pragma once
 
 #include "aureole/math/vec.h"

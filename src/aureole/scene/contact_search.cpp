@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostPairs = 20000, kRaysOfAllPairs = 100000;
 
-/// Wavelengths over the range of the scene's sensor, on whose grid indices are tabulated.
+/// Returns wavelengths over the range of the scene's sensor, on whose grid indices are tabulated.
 Wavelengths sensor_wavelengths(const SpectralGrid& grid) {
   const double step = (grid.max_nm - grid.min_nm) / kWavelengths;
   return Wavelengths::at(grid, make_spectrum([&](int i) { return float(grid.min_nm + (i + 0.5) * step); }));
@@ -34,7 +34,7 @@ Bounds3 common(const Bounds3& a, const Bounds3& b) {
   return box;
 }
 
-/// Whether two objects are the same or were described by the same text.
+/// Whether two objects are identical or were described by equal text.
 bool are_equal(const Object* a, const Object* b) {
   if (a == b) return true;
   return a && b && a->properties().content() != 0 && a->properties().content() == b->properties().content();
@@ -45,11 +45,12 @@ using BodyKey = std::pair<std::uint32_t, const Instance*>;
 
 /// Lengths that rays through a pair of bodies have measured.
 struct Overlap {
-  double both = 0, first_alone = 0, second_alone = 0;  ///< lengths in both bodies and in one of them
+  /// lengths within both bodies, and within each of them alone
+  double both = 0, first_alone = 0, second_alone = 0;
   const Surface *first = nullptr, *second = nullptr;
 };
 
-/// The search: marks surfaces as it goes.
+/// The search for contacts, which marks the surfaces that it finds.
 class Search {
 public:
   Search(const SceneParts& parts, SceneSurfaces& surfaces)
@@ -116,13 +117,15 @@ private:
   SceneSurfaces& surfaces_;
   const Wavelengths wavelengths_;
   Contacts found_;
-  std::vector<bool> has_body_;  ///< for each primitive
+  std::vector<bool> has_body_;  ///< whether each primitive bounds a body
   std::uint32_t bodies_ = 0;
   std::map<std::pair<BodyKey, BodyKey>, Overlap> overlaps_;
-  std::unordered_map<std::uint32_t, std::size_t> order_;  ///< of bodies: those that fill common space first
+  /// position of each body in the order of bodies; those that fill common space come first
+  std::unordered_map<std::uint32_t, std::size_t> order_;
   std::set<Surface*> ranked_;
   std::set<std::pair<const Surface*, const Surface*>> laid_on_;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> above_;  ///< the first body ranks above the second
+  /// pairs of bodies of which the first ranks above the second
+  std::set<std::pair<std::uint32_t, std::uint32_t>> above_;
   std::vector<RayTracer::Hit> hits_;
   std::vector<Event> events_;
 };
@@ -160,7 +163,7 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() {
             [](const auto& a, const auto& b) { return a.first.lower.x < b.first.lower.x; });
   std::size_t alone = 0;
   for (std::size_t a = 0; a < boxes.size(); ++a) {
-    // A body's faces may touch one another.
+    // A pair of equal primitives counts as well, since a body's faces may touch one another.
     if (has_body_[boxes[a].second]) pairs.emplace_back(boxes[a].second, boxes[a].second), ++alone;
     for (std::size_t b = a + 1; b < boxes.size() && boxes[b].first.lower.x <= boxes[a].first.upper.x; ++b) {
       if (!has_body_[boxes[a].second] && !has_body_[boxes[b].second]) continue;
@@ -176,14 +179,14 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() {
   return pairs;
 }
 
-/// Rays along each axis through what the bounds of the two primitives have in common, from outside of both.
+/// Traces rays along each axis through the common bounds of the two primitives, starting outside of both.
 void Search::look_at(std::size_t i, std::size_t j, int per_side) {
   const Bounds3 a = widened(parts_[i].bounds()), b = widened(parts_[j].bounds()), both = common(a, b);
   Bounds3 all = a;
   all.extend(b);
   const float reach = length(all.diagonal());
   for (int axis = 0; axis < 3; ++axis) {
-    // A slight tilt avoids rays within faces and through edges of boxes.
+    // Direction with a slight tilt, which avoids rays within faces and through edges of boxes.
     Vec3 d{0.0131f, 0.0173f, 0.0147f};
     d[axis] = 1;
     d = normalize(d);
@@ -205,8 +208,8 @@ void Search::follow(const Ray& ray, std::size_t i, std::size_t j) {
   surfaces_.tracer->all_hits(ray, 0, hits_);
   events_.clear();
   for (const RayTracer::Hit& hit : hits_) {
-    Surface& s = const_cast<Surface&>(surfaces_.of(hit));  // an element of `all`
-    // Other parts of the two bodies count as well.
+    Surface& s = const_cast<Surface&>(surfaces_.of(hit));  // the hit surface as a mutable element of `all`
+    // Surfaces of other primitives of the two bodies count as well.
     const auto is_of = [&](std::size_t part) {
       return hit.shape == part || (s.body != 0 && !s.instance && s.body == surfaces_.all[part].body);
     };
@@ -225,8 +228,8 @@ void Search::note_contacts() {
       const Event &x = events_[k], &y = events_[l];
       if (!(y.t - x.t <= x.tolerance + y.tolerance)) break;
       if (!x.is_of_body() && !y.is_of_body()) continue;
-      // Rays that graze an edge cross two faces of one body, too. It touches itself only where a ray leaves and
-      // enters it again.
+      // Rays that graze an edge also cross two faces of one body. The body touches itself only where a ray
+      // leaves and enters it again.
       if (x.body == y.body && (x.inwards || !y.inwards)) continue;
       found_.any = true;
       for (const Event* e : {&x, &y})
@@ -239,7 +242,7 @@ void Search::note_contacts() {
     }
 }
 
-/// Notes that a surface which transmits light lies on a body.
+/// Notes that a surface that transmits light lies on a body.
 void Search::note_laid_on(const Event& laid, const Event& body) {
   const bool is_nothing = laid.surface->is_null() && !laid.surface->light;
   if (is_nothing || !laid_on_.insert({laid.surface, body.surface}).second) return;
@@ -279,7 +282,7 @@ std::string Search::place_of(const Surface& s) const {
 }
 
 void Search::judge_overlaps() {
-  constexpr double kLeast = 1e-4;  // part of a length that counts
+  constexpr double kLeast = 1e-4;  // smallest fraction of a length that counts
   struct Cut {
     Surface *a, *b;
   };
@@ -290,7 +293,7 @@ void Search::judge_overlaps() {
     Surface &a = const_cast<Surface&>(*o.first), &b = const_cast<Surface&>(*o.second);
     const bool a_within = o.first_alone <= kLeast * first, b_within = o.second_alone <= kLeast * second;
     if (a_within != b_within) {
-      // The body within another one fills the space.
+      // A body within another one fills the common space.
       Surface &inner = a_within ? a : b, &outer = a_within ? b : a;
       if (a.body != b.body) above_.emplace(inner.body, outer.body), note_within(inner, outer);
       continue;
@@ -298,8 +301,8 @@ void Search::judge_overlaps() {
     ranked_.insert(&a), ranked_.insert(&b);
     cuts.push_back({&a, &b});
   }
-  // Of bodies that cut each other, the first in the scene fills the space, where those within others stand before
-  // them: one order of all bodies, so that no three contradict each other.
+  // Where bodies cut each other, the first in the scene fills the common space, except that bodies within
+  // others precede them. There is one order of all bodies, so that no three bodies contradict each other.
   order_ = order_of_bodies();
   for (const auto& [a, b] : cuts) {
     if (a->body != b->body) {
@@ -316,14 +319,15 @@ void Search::judge_overlaps() {
 }
 
 std::unordered_map<std::uint32_t, std::size_t> Search::order_of_bodies() const {
-  std::unordered_map<std::uint32_t, int> waiting;  // number of bodies that must stand before
+  std::unordered_map<std::uint32_t, int> waiting;  // number of bodies that must precede each body
   for (const auto& [high, low] : above_) ++waiting[low];
   std::set<std::uint32_t> ready;
   for (std::uint32_t body = 1; body <= bodies_; ++body)
     if (waiting.find(body) == waiting.end()) ready.insert(body);
   std::unordered_map<std::uint32_t, std::size_t> order;
   while (order.size() < bodies_) {
-    // Lengths along rays are measured: should they contradict each other, the rest follows in the order of the scene.
+    // Measured lengths along rays may contradict each other: the remaining bodies then follow in the order of
+    // the scene.
     if (ready.empty())
       for (std::uint32_t body = 1; body <= bodies_; ++body)
         if (order.find(body) == order.end()) ready.insert(body);
@@ -336,11 +340,12 @@ std::unordered_map<std::uint32_t, std::size_t> Search::order_of_bodies() const {
   return order;
 }
 
-/// Notes that a body within another one states something else around it than what the other one is filled with,
-/// unless the priorities of both decide.
+/// Notes that a body within another one states another exterior medium or index than the other body has
+/// inside, unless the priorities of both decide.
 void Search::note_within(Surface& inner, const Surface& outer) {
   const bool both_stated = inner.rank != 0 && outer.rank != 0;
-  const bool both_ranked = ranked_.count(&inner) != 0 && outer.rank == 0;  // they touch
+  // both bodies have a rank, since they touch
+  const bool both_ranked = ranked_.count(&inner) != 0 && outer.rank == 0;
   if (both_stated || both_ranked) return;
   const bool other_medium =
       outer.bounds_media && inner.bounds_media && !are_equal(inner.outside, outer.inside);
@@ -356,7 +361,7 @@ void Search::note_within(Surface& inner, const Surface& outer) {
       other_medium ? "that medium as \"exterior\"" : "that index as \"ext_ior\""));
 }
 
-/// Notes that two bodies fill the same space where their priorities do not decide which of them counts.
+/// Notes that two bodies fill the same space where their priorities do not decide which body counts.
 void Search::note_cut(const Surface& first, const Surface& second) {
   const bool same_matter =
       are_equal(first.inside, second.inside) && (!first.inside || first.inside->is_uniform()) &&
@@ -399,7 +404,7 @@ void Search::bound_ranked() {
     });
 }
 
-/// Numbers the bodies anew in their order, which decides among equal ranks.
+/// Renumbers the bodies in their order, which decides among equal ranks.
 void Search::number_in_order() {
   for (Surface& s : surfaces_.all)
     if (s.body != 0) s.body = std::uint32_t(order_.at(s.body)) + 1;

@@ -10,11 +10,12 @@ namespace aureole {
 
 namespace {
 
-constexpr int kMaxCells = 64;      // along an axis
-constexpr int kVaryingCells = 32;  // of media without a grid whose emission varies
-constexpr int kPlaces = 256;       // at which a region's spectrum is looked at
+constexpr int kMaxCells = 64;      // upper bound of the cells along an axis
+constexpr int kVaryingCells = 32;  // cells along an axis of media without a grid whose emission varies
+constexpr int kPlaces = 256;       // number of positions at which a region's spectrum is evaluated
 
-/// Returns wavelengths at equal quantiles of a spectral response; if it is zero, equally spaced wavelengths.
+/// Returns wavelengths at equal quantiles of a spectral response, or equally spaced wavelengths if the
+/// response is zero.
 Wavelengths wavelengths_of(const SampledSpectrum& response) {
   const std::span<const float> nodes = response.nodes();
   double total = 0;
@@ -98,7 +99,8 @@ EmittingMedia::EmittingMedia(std::span<const Filled> filled, const SampledSpectr
         256);
     r.cell = Piecewise1D(weights);
     if (!(r.cell.total() > 0)) continue;
-    // Estimate the spectrum over the full range of wavelengths, at positions sampled as in light sampling.
+    // The spectrum is estimated over the full range of wavelengths, at positions sampled as in light
+    // sampling.
     const double size = std::cbrt(r.volume);
     constexpr int kNodes = 32;
     std::vector<double> nm(kNodes), power(kNodes);
@@ -159,7 +161,7 @@ EmittingMedia::Place EmittingMedia::Region::place(float u, const Vec3& in_cell) 
   const std::size_t nx = std::size_t(cells[0]), ny = std::size_t(cells[1]);
   const Vec3 unit{(float(k % nx) + in_cell.x) / float(cells[0]),
                   (float(k / nx % ny) + in_cell.y) / float(cells[1]),
-                  // With a single cell, the number that chose the cell can be reused as a coordinate.
+                  // With a single cell, the random number that chose the cell is reused as a coordinate.
                   cell.size() == 1 ? x : (float(k / nx / ny) + in_cell.z) / float(cells[2])};
   return {medium, from_unit.point(unit), float(double(density) / volume)};
 }
@@ -169,7 +171,7 @@ bool EmittingMedia::sample(const Vec3& from, const Vec3& facing, float u, Vec2 i
   const auto choice = tree_.choose(from, facing, u);
   if (!choice) return false;
   out = regions_[choice->leaf].place(choice->u, {in_cell.x, in_cell.y, third});
-  // Regions of one medium may overlap: sum the pdfs of all of them.
+  // Regions of one medium may overlap, so that the pdfs of all of them are summed.
   if (regions_.size() > 1) out.pdf = pdf(*out.medium, from, facing, out.p);
   return out.pdf > 0;
 }

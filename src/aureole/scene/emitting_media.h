@@ -26,14 +26,14 @@ public:
   EmittingMedia(std::span<const Filled> filled, const SampledSpectrum& response);
 
   bool empty() const { return regions_.empty(); }
-  /// Whether light sampling can choose any of them (see `Medium::sampling_weight`). `sample` and `pdf`
+  /// Whether light sampling can choose any of the media (see `Medium::sampling_weight`). `sample` and `pdf`
   /// require it.
   bool can_be_connected() const { return can_be_connected_; }
 
   struct Place {
     const Medium* medium;
     Vec3 p;
-    float pdf;  ///< [1/length^3], includes the probability of choosing the region
+    float pdf;  ///< pdf of the position [1/length^3], including the probability of choosing the region
   };
   /// Samples a position in an emissive medium for light sampling at the point `from`, which may lie inside
   /// that medium. `facing` is the normal at `from`; zero if light may arrive from both sides. `u` chooses the
@@ -42,14 +42,14 @@ public:
   bool sample(const Vec3& from, const Vec3& facing, float u, Vec2 in_cell, float third, Place& out) const;
   /// Returns the pdf [1/length^3] with which `sample` finds the point `p` of this medium.
   float pdf(const Medium& medium, const Vec3& from, const Vec3& facing, const Vec3& p) const;
-  /// Samples a position at which a light path starts, by emitted power alone. The random numbers are those of
-  /// `sample`.
+  /// Samples a position at which a light path starts, by emitted power alone. The random numbers have the
+  /// meaning of those of `sample`.
   Place sample_by_power(float u, Vec2 in_cell, float third) const;
-  /// Returns the inverse size of the medium [1/length]: about the pdf per length with which a ray through it
-  /// samples emission.
+  /// Returns the inverse size of the medium [1/length], which is approximately the pdf per length with which
+  /// a ray through the medium samples emission.
   float inverse_size(const Medium& medium) const;
 
-  /// Emitted power of each region, less self-absorption [W/nm up to a scale common to all emitters].
+  /// Emitted power of each region, reduced by self-absorption [W/nm, up to a scale common to all emitters].
   const std::vector<SampledSpectrum>& powers() const { return powers_; }
   /// Total power of all regions, weighted by the sensor's response.
   double power() const { return region_.total(); }
@@ -63,8 +63,8 @@ private:
     double volume;
     Piecewise1D cell;
 
-    float pdf(const Vec3& p) const;  ///< returns 0 outside the region
-    /// Returns the sampled position and its pdf within this region.
+    float pdf(const Vec3& p) const;  ///< pdf of a position within the region; 0 outside the region
+    /// Samples a position within this region, with its pdf.
     Place place(float u, const Vec3& in_cell) const;
   };
   static Region region_of(const Filled& filled);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `InteriorList`: the nested dielectrics that contain a point, namely closed bodies with a rank (Schmidt &
 // Budge 2002, "Simple nested dielectrics in ray traced images"). Where they overlap, the body with the
-// highest rank fills the space, and the surfaces of the others are inactive.
+// highest rank fills the space, and the surfaces of the other bodies are inactive.
 #pragma once
 
 #include "aureole/scene/surface.h"
@@ -10,15 +10,16 @@ namespace aureole {
 
 class InteriorList {
 public:
-  static constexpr int kMaxBodies = 8;  ///< further ones are left out
+  /// upper bound of the number of bodies; additional bodies are ignored
+  static constexpr int kMaxBodies = 8;
 
-  /// A body, by one of its surfaces. Instances of a group share the group's surfaces.
+  /// A body, identified by one of its surfaces. Instances of a group share the group's surfaces.
   struct Body {
     const Surface* surface = nullptr;
     const Instance* instance = nullptr;
 
-    /// Whether the body says which medium is within. A body without a medium is filled by the
-    /// medium around it or, with a stated priority, by vacuum.
+    /// Whether the body determines the medium within it. A body without a medium is filled by the medium
+    /// around it or, with a stated priority, by vacuum.
     bool decides_medium() const { return surface && (surface->rank > 0 || surface->bounds_media); }
     bool operator==(const Body& other) const {
       return surface && other.surface && surface->body == other.surface->body && instance == other.instance;
@@ -52,8 +53,8 @@ public:
   bool empty() const { return count_ == 0; }
 
 private:
-  /// Among equal ranks, such as equal priorities, the body of the smaller number fills the space, and of two
-  /// instances the one that was entered first.
+  /// Whether body `a` takes precedence over `b`. Among equal ranks, such as equal priorities, the body of the
+  /// smaller number fills the space, and of two instances the one that was entered first.
   bool is_above(const Body& a, const Body& b) const {
     if (a.surface->rank != b.surface->rank) return a.surface->rank > b.surface->rank;
     if (a.surface->body != b.surface->body) return a.surface->body < b.surface->body;

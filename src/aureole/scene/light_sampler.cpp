@@ -33,7 +33,8 @@ LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<d
     }
   }
   tree_ = LightTree(std::move(bounds));
-  // If `focus` is zero everywhere, the tree's lights are for light tracing only and never chosen here.
+  // If `focus` is zero everywhere, the tree's lights are for light tracing only, and light sampling never
+  // chooses them.
   tree_probability_ = tree_.can_be_connected() ? 1.f : 0.f;
   // Each light at infinity has as much weight as the whole tree.
   double weights = tree_probability_;
@@ -64,7 +65,7 @@ std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
   if (power_sums_.empty() || !(power_sums_.back() > 0)) return {};
   const double total = power_sums_.back();
   const double at = std::min(double(u.x) + double(u.y) * 0x1p-24, 1 - 0x1p-53) * total;
-  // Find the first cumulative sum beyond `at`; parts without power are never chosen.
+  // Index of the first cumulative sum beyond `at`; parts without power are never chosen.
   const size_t i =
       std::min(size_t(std::upper_bound(power_sums_.begin(), power_sums_.end(), at) - power_sums_.begin()),
                power_sums_.size() - 1);

@@ -20,9 +20,9 @@ struct LightChoice {
 class LightSampler {
 public:
   LightSampler() = default;
-  /// `powers` has one number >= 0 per light: its power weighted by the film's response, times its sampling
-  /// weight. `emitted` has the corresponding numbers for `choose_by_power`. The lights must outlive the
-  /// sampler and have their indices.
+  /// Makes a sampler. `powers` has one number >= 0 per light: its power weighted by the film's response,
+  /// times its sampling weight. `emitted` has the corresponding numbers for `choose_by_power`. The lights
+  /// must outlive the sampler and have their indices.
   LightSampler(const std::vector<Light>& lights, const std::vector<double>& powers,
                const std::vector<double>& emitted);
 
@@ -59,13 +59,13 @@ private:
   std::optional<LightChoice> single_;  ///< the only candidate, if there is only one
   LightTree tree_;
   std::vector<std::pair<const Light*, std::size_t>> parts_;  ///< light and part at each leaf of the tree
-  /// Index of each light's first leaf; kNone if it is not in the tree
+  /// Index of each light's first leaf; kNone if the light is not in the tree.
   std::vector<std::size_t> first_leaf_;
-  /// Index of each light's first source; kNone if it is never chosen by power
+  /// Index of each light's first source; kNone if the light is never chosen by power.
   std::vector<std::size_t> first_source_;
-  /// Light and part of each candidate of `choose_by_power`
+  /// Light and part of each candidate of `choose_by_power`.
   std::vector<std::pair<const Light*, std::size_t>> sources_;
-  /// Cumulative power up to and including each source
+  /// Cumulative power up to and including each source.
   std::vector<double> power_sums_;
 };
 

@@ -36,7 +36,7 @@ void merge_cones(EmissionBounds& a, const EmissionBounds& b) {
     a.cos_normals = -1;
     return;
   }
-  // Rotate a's axis towards b's by half - theta_a.
+  // The axis of `a` is rotated towards the axis of `b` by half - theta_a.
   const Vec3 k = normalize(pivot);
   const float angle = half - theta_a;
   a.axis = normalize(a.axis * std::cos(angle) + cross(k, a.axis) * std::sin(angle));
@@ -65,7 +65,7 @@ float cost_measure(const EmissionBounds& b) {
       2 * kPi * (1 - b.cos_normals) +
       kPi / 2 * (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) - 2 * theta_o * sin_o + b.cos_normals);
   const Vec3 d = b.box.diagonal();
-  // A small added length makes the measure positive for flat or point-like clusters too.
+  // A small length is added, so that the measure is also positive for flat or point-like clusters.
   const float l = length(d) * 0.1f;
   return b.power * b.focus * solid * ((d.x + l) * (d.y + l) + (d.y + l) * (d.z + l) + (d.z + l) * (d.x + l));
 }
@@ -122,7 +122,7 @@ std::int32_t LightTree::build(std::vector<std::uint32_t>& order, std::size_t beg
       auto& b = buckets[size_t(bucket_of(order[i], axis))];
       b = merged(b, leaves_[order[i]]);
     }
-    // Splits beside empty buckets divide the lights as the split before them does.
+    // Splits beside empty buckets are skipped, since they divide the lights as the split before them does.
     std::array<int, kBuckets> used;
     int used_count = 0;
     for (int k = 0; k < kBuckets; ++k)
@@ -153,9 +153,10 @@ float LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   if (!(node.bounds.power * node.bounds.focus > 0)) return 0;
   const Vec3 to_p = p - node.center;
   const float distance_squared = length_squared(to_p);
-  // Inside or near the box the distance to its centre is not a useful estimate.
+  // The squared distance has a lower bound, since inside or near the box the distance to its centre is not a
+  // useful estimate.
   const float d2 = std::max(distance_squared, node.radius_squared);
-  // The cone with apex p around the box's bounding sphere.
+  // Cone with apex p around the box's bounding sphere.
   float cos_box = -1, sin_box = 0;
   if (distance_squared > node.radius_squared) {
     const float sin2 = node.radius_squared / distance_squared;
@@ -199,7 +200,7 @@ std::optional<LightTree::Choice> LightTree::choose(const Vec3& p, const Vec3& n,
 
 float LightTree::importance_along(const Node& node, const Ray& ray, float t_max) {
   if (!(node.bounds.power * node.bounds.focus > 0)) return 0;
-  // The integral of 1/d^2 along the segment is the angle it subtends at the centre, over the distance of the
+  // Integral of 1/d^2 along the segment: the angle that it subtends at the centre, over the distance of the
   // centre from the line.
   const Vec3 to = node.center - ray.o;
   const float nearest = dot(to, ray.d);

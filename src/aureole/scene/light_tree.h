@@ -16,7 +16,7 @@ namespace aureole {
 class LightTree {
 public:
   LightTree() = default;
-  /// The `power` of each leaf is relative; only ratios between leaves matter.
+  /// Builds the tree. The `power` of each leaf is relative; only ratios between leaves matter.
   explicit LightTree(std::vector<EmissionBounds> leaves);
 
   struct Choice {
@@ -25,8 +25,8 @@ public:
     float u;  ///< remaining random number in [0, 1), reusable for sampling within the leaf
   };
   /// Chooses a leaf for the point p with normal n (zero if light may arrive from both sides). The returned
-  /// probability is multiplied by the argument `probability`, that of using the tree at all. Returns nothing
-  /// if no light can reach p. Requires that the tree is not empty.
+  /// probability is multiplied by the argument `probability`, the probability of using the tree. Returns
+  /// nothing if no light can reach p. Requires that the tree is not empty.
   std::optional<Choice> choose(const Vec3& p, const Vec3& n, float u, float probability = 1) const;
   /// Returns the probability with which `choose` finds this leaf.
   float probability(const Vec3& p, const Vec3& n, std::size_t leaf, float probability = 1) const;

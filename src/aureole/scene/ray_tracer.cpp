@@ -13,8 +13,8 @@ namespace aureole {
 
 namespace {
 
-// Not zero: a point on a plane through zero has no rounding error and so no offset, and its distance to the
-// plane is exactly 0.
+// Smallest distance of a hit. It is not zero: a point on a plane through zero has no rounding error and so no
+// offset, and its distance to the plane is exactly 0.
 constexpr float kMinDistance = std::numeric_limits<float>::min();
 
 void load_ray(const Ray& ray, RTCRay& r) {
@@ -26,17 +26,17 @@ void load_ray(const Ray& ray, RTCRay& r) {
 
 /// The context of a query for all hits. Embree hands it to `keep_hit`.
 struct AllHitsContext {
-  RTCIntersectContext context;  // first, so that its address is that of the whole
+  RTCIntersectContext context;  // first member, so that its address is the address of the whole object
   std::vector<RayTracer::Hit>* hits;
 };
 
-/// A hit by Embree's numbers; `instance` is that of the geometry's group, or invalid.
+/// Returns a hit by Embree's numbers; `instance` is the number of the geometry's group, or invalid.
 RayTracer::Hit hit_of(unsigned geometry, unsigned instance, unsigned primitive, float u, float v, float t) {
   const bool instanced = instance != RTC_INVALID_GEOMETRY_ID;
   return {{instanced ? geometry : 0, primitive, u, v, t}, instanced ? instance : geometry};
 }
 
-/// Notes a hit and rejects it, so that Embree goes on to the others.
+/// Stores a hit and rejects it, so that Embree continues with the other hits.
 void keep_hit(const RTCFilterFunctionNArguments* args) {
   if (args->valid[0] != -1) return;
   const auto& all = *reinterpret_cast<const AllHitsContext*>(args->context);
@@ -119,7 +119,8 @@ RayTracer::RayTracer(std::span<const Primitive> parts, const RayTracer* reuse) {
   } else {
     limit_library_threads();
 #ifdef AUREOLE_STD_THREADS
-    // ThreadSanitizer cannot observe the synchronisation of Embree's own threads, which build in TBB.
+    // Embree uses one thread, since ThreadSanitizer cannot observe the synchronisation of its threads when
+    // they build in TBB.
     device_ = {rtcNewDevice("threads=1"), rtcReleaseDevice};
 #else
     device_ = {rtcNewDevice(nullptr), rtcReleaseDevice};
@@ -194,7 +195,8 @@ const RayTracer::Group& RayTracer::group_of(const ShapeList& list, const RayTrac
 }
 
 bool RayTracer::is_for(std::span<const Primitive> parts) const {
-  // Instances of one group are consecutive, so that its list of shapes is compared only once.
+  // The last compared lists of shapes. Instances of one group are consecutive, so that its list is compared
+  // only once.
   const ShapeList *a = nullptr, *b = nullptr;
   const auto same_shapes = [&](const ShapeList& x, const ShapeList& y) {
     if (&x == &y || (a == &x && b == &y)) return true;

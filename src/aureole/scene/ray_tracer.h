@@ -21,7 +21,7 @@ namespace aureole {
 inline constexpr float kFarthest = 1.8e18f;
 static_assert(2 * kFarthestPlace <= double(kFarthest));
 
-/// A packet of up to 16 rays that are traced together.
+/// A packet of up to 16 rays that the ray tracer traces together.
 class RayPacket {
 public:
   static constexpr int kSize = 16;
@@ -52,7 +52,7 @@ public:
   bool is_for(std::span<const Primitive> parts) const;
 
   struct Hit : ShapeHit {
-    std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 if the ray hit nothing
+    std::uint32_t shape = ~0u;  ///< index of the hit shape; ~0 if the ray hit nothing
     explicit operator bool() const { return shape != ~0u; }
     /// Whether the ray hit nothing because it could not be traced.
     bool is_lost() const { return shape == ~0u && geometry == kLost; }
@@ -61,8 +61,8 @@ public:
   /// Largest coordinate of ray origins and directions that can be traced: kFarthest, or less if an instance
   /// magnifies coordinates.
   float farthest() const { return farthest_; }
-  /// Returns false for a ray that contains NaN or exceeds that range. `intersect` reports such a ray as lost,
-  /// `occluded` as occluded.
+  /// Whether a ray can be traced: false for a ray that contains NaN or exceeds `farthest`. `intersect`
+  /// reports such a ray as lost, `occluded` as occluded.
   bool is_traceable(const Ray& ray) const {
     bool good = !std::isnan(ray.t_max);
     for (int i = 0; i < 3; ++i) good &= (std::abs(ray.o[i]) <= farthest_) & (std::abs(ray.d[i]) <= farthest_);

@@ -41,13 +41,14 @@ void require_near(const Properties& object, const Bounds3& box) {
 }
 
 /// Returns a note on shapes that are so far from the origin, compared with their size, that single precision holds few
-/// positions on them; empty if there are none. The limit is a part of the diagonal of the bounds. In a room 2 wide
-/// with a glass ball, moved by 1e3, 1e4 and 1e5 along each axis, the mean changes by -0.01, -0.2 and -3 %.
+/// positions on them; empty if there are none. The limit is a fraction of the diagonal of the bounds. In a
+/// room 2 wide with a glass ball, moved by 1e3, 1e4 and 1e5 along each axis, the mean changes by -0.01, -0.2
+/// and -3 %.
 std::string rounding_note(const std::vector<Primitive>& parts) {
   constexpr double kPart = 5e-4;
   const Primitive* first = nullptr;
   std::size_t count = 0;
-  double step = 0, size = 0, reach = 0;  // of the first one
+  double step = 0, size = 0, reach = 0;  // values of the first such shape
   for (const Primitive& part : parts) {
     const Bounds3 box = part.bounds();
     const float at = reach_of(box), step_here = std::nextafter(at, kInfinity) - at;
@@ -181,7 +182,7 @@ void Scene::bound_emitters() {
   for (const Light& light : emitters_)
     if (light.shape) {
       Bounds3 b = light.shape->bounds();
-      // Rounding may put a hit outside of the bounds by this margin.
+      // Margin by which rounding may put a hit outside of the bounds.
       const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
       b.lower = b.lower - margin, b.upper = b.upper + margin;
       emitter_bounds_.push_back(b);
@@ -196,9 +197,10 @@ void Scene::make_surfaces() {
     std::size_t begin;
   };
   std::size_t count = parts_.surfaces.size();
-  std::vector<Members> members;                                 // the surfaces of groups, in their order
-  std::unordered_map<const ShapeList*, std::size_t> shared;     // begin of the shared surfaces
-  std::vector<std::size_t> members_of(parts_.surfaces.size());  // begin of the surfaces of each instance
+  std::vector<Members> members;  // surfaces of groups, in their order
+  // index of the first shared surface of each list of shapes
+  std::unordered_map<const ShapeList*, std::size_t> shared;
+  std::vector<std::size_t> members_of(parts_.surfaces.size());  // index of the first surface of each instance
   const auto has_priority = [](const SurfaceMedia& media) { return media.priority != 0; };
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
     const Primitive& part = parts_.surfaces[i];
@@ -327,7 +329,8 @@ bool Scene::may_meet_shining_shape(const Ray& ray) const {
     float near = 0, far = ray.t_max;
     for (int k = 0; k < 3; ++k) {
       const float t0 = (b.lower[k] - ray.o[k]) * inverse[k], t1 = (b.upper[k] - ray.o[k]) * inverse[k];
-      // For a ray in the plane of a face the distance is NaN, and min and max leave the interval unchanged.
+      // For a ray in the plane of a face the distance is NaN, and min and max leave the interval unchanged
+      // then.
       near = std::max(near, std::min(t0, t1)), far = std::min(far, std::max(t0, t1));
     }
     // The factor allows for relative rounding errors of the distances.

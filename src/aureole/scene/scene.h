@@ -26,9 +26,9 @@ struct DiffractionInput;
 class Scene {
 public:
   /// Builds the surfaces, the ray tracer, the light sampler and the distribution of wavelengths. It reuses
-  /// unchanged acceleration structures of `reuse`, a scene that may be rendering meanwhile; all of them if
-  /// only BSDFs, lights, sensors or textures differ. Throws Error if there is no sensor or if an object has
-  /// invalid numbers.
+  /// unchanged acceleration structures of `reuse`, a scene that may be rendering meanwhile. It reuses all of
+  /// them if only BSDFs, lights, sensors or textures differ. Throws Error if there is no sensor or if an
+  /// object has invalid numbers.
   explicit Scene(SceneParts parts, const Scene* reuse = nullptr);
   // A scene can be neither copied nor moved: lights and surfaces hold pointers into it.
   Scene(const Scene&) = delete;
@@ -89,14 +89,14 @@ public:
   const Film& film() const { return sensor_.film(); }
   const SceneParts& parts() const { return parts_; }
   const std::vector<Light>& emitters() const { return emitters_; }
-  /// Emitters at infinity that a ray leaving the scene can hit; delta emitters are not among them.
+  /// Emitters at infinity that a ray leaving the scene can hit, which excludes delta emitters.
   const std::vector<const Light*>& infinite_emitters() const { return infinite_; }
   const LightSampler& lights() const { return lights_; }
   /// The emissive media that fill a volume; null if there are none.
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
-  /// Data for diffraction at edges by the model "beams"; null if light is not diffracted so.
+  /// Data for diffraction at edges by the model "beams"; null if the scene does not use this model.
   const SceneDiffraction* diffraction() const { return diffraction_.get(); }
-  /// The edges of the diffraction model "segments"; null if light is not diffracted so.
+  /// The edges of the diffraction model "segments"; null if the scene does not use this model.
   const OutlineEdges* outline_edges() const { return outline_edges_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return surfaces_.tracer->bounds(); }
@@ -127,7 +127,7 @@ private:
 
   SceneParts parts_;
   SceneSurfaces surfaces_;
-  std::vector<Light> emitters_;  ///< emitters on shapes first, in the order of the shapes
+  std::vector<Light> emitters_;  ///< all emitters; emitters on shapes come first, in the order of the shapes
   std::vector<const Light*> infinite_;
   PlacedSensor sensor_;
   LightSampler lights_;
@@ -145,7 +145,7 @@ private:
     const Medium* medium;
     Bounds3 box;
     bool lights_inside;
-    bool is_ranked;  ///< among its surfaces are some of a body with a rank
+    bool is_ranked;  ///< whether a surface of the medium belongs to a body with a rank
     bool may_contain(const Vec3& p) const;
   };
   std::vector<Closed> closed_;

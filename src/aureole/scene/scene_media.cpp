@@ -17,12 +17,12 @@ namespace aureole {
 
 void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
   if (!is_in(ray.o, ranked_bounds_)) return;
-  // A body that the ray leaves before it enters it contains the origin. Entering the bodies in reverse order of
-  // these exits orders equal ranks as a ray that comes from outside would. All hits at once, since a march would skip
-  // surfaces that touch.
+  // A body contains the origin of a ray that leaves the body before entering it. `First` is the first hit of
+  // each body. Entering the bodies in reverse order of these exits orders equal ranks as a ray that comes
+  // from outside would. All hits at once, since a march would skip surfaces that touch.
   struct First {
     InteriorList::Body body;
-    float end;  // farther hits of the body do not count
+    float end;  // distance beyond which hits of the body do not count
     bool is_left;
   };
   std::vector<First> bodies;
@@ -49,11 +49,14 @@ const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const
   const bool decides = filling.decides_medium();
   const Medium* const filled = decides ? filling.surface->inside : nullptr;
   if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return filled;
-  // If the ray hits no surface that tells it, try a ray towards the centre of the media's bounds.
+  // If the ray hits no surface that determines the medium, a ray towards the centre of the media's bounds is
+  // tried.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
     InteriorList
-        entered;  // bodies with a rank: what lies within them does not tell what is around the origin
+        // bodies with a rank that the ray has entered: surfaces within them do not determine the medium
+        // around the origin
+        entered;
     const auto judge = [&](const SurfacePoint& point) -> std::optional<const Medium*> {
       const Surface& s = *point.surface;
       const InteriorList::Body body{&s, point.instance};
@@ -68,7 +71,7 @@ const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const
       if (!point->surface->touches) {
         if (const auto found = judge(*point)) return *found;
       } else {
-        // The offset of the next origin would skip what lies here.
+        // Surfaces that the offset of the next origin would skip.
         thread_local std::vector<RayTracer::Hit> near;
         tracer().all_hits({next.o, d, length(point->p - next.o) + 2 * contact_distance(*point, d)}, 0, near);
         for (const RayTracer::Hit& hit : near)
@@ -101,8 +104,8 @@ bool Scene::faces_outwards(std::size_t part) const {
 }
 
 void Scene::find_closed_media() {
-  // A shape of higher priority makes the surface of a medium inactive, and must then enclose the medium
-  // itself.
+  // Whether a surface may transmit light straight. A shape of higher priority makes the surface of a medium
+  // inactive, and must then enclose the medium itself.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
   const bool priorities_close = std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
                                              [&](const Surface& s) { return s.rank != 0 && lets_pass(s); });
@@ -110,7 +113,7 @@ void Scene::find_closed_media() {
   const auto is_open = [&](const Medium* medium) {
     return std::find(open.begin(), open.end(), medium) != open.end();
   };
-  // Objects that state their medium need not be enclosed by a surface.
+  // Media that objects state need not be enclosed by a surface.
   open.push_back(parts_.sensor->medium());
   for (const Light& light : emitters_) open.push_back(light.emitter->medium());
   for (std::size_t i = 0; i < surfaces_.all.size(); ++i) {
@@ -129,7 +132,7 @@ void Scene::find_closed_media() {
     known->box.extend(widened(parts_.surfaces[i].bounds()));
     known->is_ranked |= surfaces_.all[i].rank != 0;
   }
-  // From a body with a rank one may see into others that it touches.
+  // Segments from a body with a rank may lead into other bodies that it touches.
   Bounds3 ranked;
   for (const Closed& c : closed_)
     if (c.is_ranked) ranked.extend(c.box);
@@ -187,7 +190,7 @@ namespace {
 /// Counts the hits of rays that start at an open surface into the medium behind it.
 struct OpenBody {
   int rays = 0;
-  int itself = 0;  ///< number of rays that hit the same body from inside
+  int itself = 0;  ///< number of rays that hit that body from inside
   int leaks = 0;   ///< number of rays that hit nothing
   Vec3 leak;
 
@@ -207,7 +210,7 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
   for (std::uint32_t k = 0; k < kRays; ++k) {
     std::uint32_t dimension = 0;
     const auto next = [&] { return unit_float(std::uint32_t(combine_bits(k, dimension++))); };
-    // Sample a point on the surface by a ray from a random direction.
+    // A point on the surface is sampled by a ray from a random direction.
     const float x = next(), y = next(), z = next();
     const Vec3 towards = box.lower + box.diagonal() * Vec3{x, y, z};
     const float u = next(), v = next();
@@ -312,7 +315,7 @@ void Scene::check_sensor_medium() const {
       next.o = offset_origin(*point, next.d);
     }
   }
-  // A single ray may leak between two adjacent triangles.
+  // Several rays must leave, since a single ray may leak between two adjacent triangles.
   if (within && leaks >= kLeaks)
     throw Error(sensor_.properties().where(),
                 fmt::format("the sensor is in the medium within \"{}\", which is not closed: from there one "

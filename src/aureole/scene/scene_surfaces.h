@@ -12,8 +12,8 @@
 namespace aureole {
 
 struct SceneSurfaces {
-  /// One surface for each primitive of the scene, then the surfaces of the shapes in groups (for each instance
-  /// whose media or priorities are its own), then the exits of surfaces with a BSSRDF.
+  /// All surfaces: one for each primitive of the scene, then the surfaces of the shapes in groups (for each
+  /// instance whose media or priorities are its own), then the exits of surfaces with a BSSRDF.
   std::vector<Surface> all;
   std::shared_ptr<const RayTracer> tracer;
   bool any_passable = false;  ///< whether segments may cross null surfaces or media
@@ -33,8 +33,8 @@ struct SceneSurfaces {
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     const Surface& found = all[hit.shape];
     const Surface& surface = of(hit);
-    // A single object for both cases lets the compiler construct it directly in the caller (return value
-    // optimisation).
+    // The point is a single object for both cases, so that the compiler constructs it directly in the caller
+    // (return value optimisation).
     SurfacePoint point = found.instance
                              ? found.instance->surface_point(*surface.shape, hit, ray, surface.needs_tangent)
                              : surface.shape->surface_point(hit, ray, surface.needs_tangent);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `SceneTables`: what an integrator derives from a scene once, such as projected splats. Integrators own no scene state:
-// the scene keeps it, as long as it exists.
+// `SceneTables`: data that an integrator derives from a scene once, such as projected splats. Integrators own
+// no scene state, so that the scene keeps the data, as long as it exists.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@ namespace aureole {
 class SceneTables {
 public:
   /// Returns the table of type T with the key `content`, a hash of all that it depends on besides the scene, or makes it by
-  /// `make()`, which returns a std::shared_ptr<const T>. Threads that need a table wait while one makes it, once.
+  /// `make()`, which returns a std::shared_ptr<const T>. The table is made once; other threads that need it
+  /// wait meanwhile.
   template <class T, class Make>
   std::shared_ptr<const T> get(std::uint64_t content, const Make& make) {
     const std::lock_guard lock(mutex_);

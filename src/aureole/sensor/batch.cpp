@@ -74,7 +74,7 @@ public:
                        [](const Member& m) { return m.sensor->counts_crossings(); });
   }
 
-  /// If the film position is unknown: the response of the first sensor that records the ray.
+  /// Used if the film position is unknown: returns the response of the first sensor that records the ray.
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
                                      std::optional<Vec2> seen) const override {
     const std::size_t first = seen ? part_at(seen->x * per_pixel_) : 0,

@@ -37,7 +37,7 @@ public:
   }
 
   void fit(PlacedSensor& at) const override {
-    at.scene_radius *= 1 + 1e-5f;  // includes objects that touch the sphere
+    at.scene_radius *= 1 + 1e-5f;  // the factor includes objects that touch the sphere
   }
 
   bool uses_lens() const override { return target_ != Target::point; }
@@ -56,7 +56,8 @@ public:
     return {{start(placed, at), direction_, kInfinity}};
   }
 
-  /// Only without a target: rays through a target form a line, or start at a shape, which light cannot reach.
+  /// Connects a point without a target only: rays through a target form a line, or start at a shape, and
+  /// light cannot be connected to them.
   std::optional<SensorConnection> sample_direct(const PlacedSensor& placed, const Vec3& reference,
                                                 Vec2) const override {
     if (target_ != Target::scene) return {};
@@ -86,8 +87,8 @@ public:
 private:
   enum class Target { scene, point, shape };
 
-  /// Origin of the ray through `at`: on the plane that touches the scene's bounding sphere, so that the whole
-  /// scene lies ahead, or `ray_offset` before the target.
+  /// Origin of the ray through `at`: a point on the plane that touches the scene's bounding sphere, so that
+  /// the whole scene lies ahead, or `ray_offset` before the target.
   Vec3 start(const PlacedSensor& placed, const Vec3& at) const {
     const float along = dot(at - placed.scene_center, direction_);
     if (offset_ < 0) return at - direction_ * std::max(along + placed.scene_radius, 0.f);
@@ -98,7 +99,7 @@ private:
   Vec3 direction_, point_;
   std::shared_ptr<const SensorShape> element_;  ///< the shape that contains the target's surface
   std::unique_ptr<const ShapeArea> surface_;
-  float offset_ = -1;  ///< negative: rays start outside the scene
+  float offset_ = -1;  ///< distance of the origin before the target; negative: rays start outside the scene
 };
 
 AUREOLE_PLUGIN(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A goniophotometer: the intensity of the whole scene, taken for one luminaire, by direction.
+// A goniophotometer: the intensity by direction of the whole scene, which counts as one luminaire.
 #include <algorithm>
 #include <cmath>
 
@@ -41,7 +41,7 @@ public:
   }
 
   void fit(PlacedSensor& at) const override {
-    at.scene_radius *= 1 + 1e-5f;  // includes objects that touch the sphere
+    at.scene_radius *= 1 + 1e-5f;  // the factor includes objects that touch the sphere
   }
 
   /// A ray from outside the scene against the direction of the pixel, through a point of the disc that the bounding
@@ -53,7 +53,8 @@ public:
     return {{o, -d, kInfinity}, disc_area(at) * area_unit_};
   }
 
-  /// A point at kFarRadii radii of the scene, to which light sources without extent send their light.
+  /// Receiver at a distance of kFarRadii radii of the scene, to which light sources without extent send their
+  /// light.
   std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
     const Vec3 d = direction(pixel_of(at, film));
     const float distance = kFarRadii * at.scene_radius;

@@ -29,7 +29,7 @@ public:
 
   bool uses_lens() const override { return true; }
 
-  /// The position within the pixel chooses the point of the surface.
+  /// Receiver at the point of the surface that the position within the pixel encodes.
   std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
     return receiver_at(at, {film.x - std::floor(film.x), film.y - std::floor(film.y)});
   }
@@ -41,7 +41,8 @@ public:
 
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2 lens) const override {
-    // The position within the pixel encodes the point of the surface; it must not round up to the next pixel.
+    // The film position, which encodes the point of the surface within the pixel; it must not round up to the
+    // next pixel.
     const Vec2 film{std::min(at.part.left + lens.x, std::nextafter(at.part.left + 1, 0.f)), lens.y};
     const auto place = receiver(at, film);
     if (!place) return {};

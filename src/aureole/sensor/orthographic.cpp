@@ -36,7 +36,8 @@ public:
     return clip_.note(properties(), to_camera_, shapes, clip_.near + (clip_.far - clip_.near) / axis_length_);
   }
 
-  /// The ray direction is fixed: a point has one film position, whatever its distance.
+  /// Connects a point of the scene. The ray direction is fixed, so that a point has one film position,
+  /// whatever its distance.
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2) const override {
     const Vec3 q = to_camera_.point(reference);

@@ -20,8 +20,8 @@ struct PlacedSensor {
   FilmPart part;
 
   // A camera's projection onto its part of the film, set by `Sensor::fit`.
-  Vec2 film_center;           ///< where the optical axis intersects the film [pixels]
-  float pixel_size = 1;       ///< pixel width on the picture plane at distance 1, or of a parallel projection
+  Vec2 film_center;      ///< where the optical axis intersects the film [pixels]
+  float pixel_size = 1;  ///< width of a pixel on the picture plane at distance 1, or in a parallel projection
   float pixels_per_area = 1;  ///< film area over the area perpendicular to the rays, for a parallel
                               ///< projection
 
@@ -44,7 +44,8 @@ struct PlacedSensor {
   std::optional<Receiver> receiver(Vec2 film_position) const {
     return sensor->receiver(*this, film_position);
   }
-  /// Calls f with each `Sensor::crossing` of the ray; a batch has at most one for each of its sensors.
+  /// Calls f with each `Sensor::crossing` of the ray; for a batch there is at most one crossing for each of
+  /// its sensors.
   template <class F>
   void for_crossings(const Ray& light, const F& f) const {
     if (const auto crossing = sensor->crossing(*this, light)) f(*crossing);

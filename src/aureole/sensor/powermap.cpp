@@ -38,7 +38,8 @@ public:
     if (properties().has("to_world"))
       throw properties().error(
           "to_world", "a power map on a shape measures on the surface of that: leave \"to_world\" out");
-    // Tests points of a grid finer than most gaps between the charts of a texture atlas.
+    // Points along a side of the grid at which gaps are searched; it is finer than most gaps between the
+    // charts of a texture atlas.
     constexpr int kSide = 64;
     for (int i = 0; i < kSide * kSide; ++i)
       if (area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide})) return;
@@ -71,7 +72,7 @@ public:
     return place->connect(reference, film, at.part.sample_area());
   }
 
-  /// Only for a plane: a line may intersect the surface of a shape more than once.
+  /// Response of a plane only, since a line may intersect the surface of a shape more than once.
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
                                      std::optional<Vec2>) const override {
     const auto place = place_on_plane(at, {p, -d, kInfinity});
@@ -101,7 +102,7 @@ private:
     Vec2 film;
     float t;
   };
-  /// The intersection of a ray with the plane; nothing outside the map, and for a map on a shape.
+  /// Returns the intersection of a ray with the plane; nothing outside the map, and for a map on a shape.
   std::optional<Place> place_on_plane(const PlacedSensor& at, const Ray& ray) const {
     if (at.area) return {};
     const float t = dot(corner_ - ray.o, normal_) / dot(ray.d, normal_);
@@ -112,8 +113,8 @@ private:
     if (!at.part.samples(film)) return {};
     return Place{receiver_at(p, {}, normal_), film, t};
   }
-  /// A receiver at a point of the plane or of a shape. On a shape, the axis of a cylinder is that of the normal unless
-  /// one is stated.
+  /// Returns a receiver at a point of the plane or of a shape. On a shape, the axis of a cylinder is along
+  /// the normal unless one is stated.
   Receiver receiver_at(const Vec3& p, const Vec3& p_error, const Vec3& ng) const {
     Receiver r{p, p_error, ng, measure_};
     if (measure_ == Receiver::Measure::cylindrical || measure_ == Receiver::Measure::semicylindrical) {
@@ -146,10 +147,10 @@ private:
 
   Receiver::Measure measure_;
   Vec3 corner_, right_, down_;  ///< the picture's upper left corner and its sides, in the world
-  Vec3 per_right_, per_down_;   ///< dual vectors of the sides: give the picture's coordinates of a point of
-                                ///< the plane
+  /// dual vectors of the sides, which give the picture's coordinates of a point of the plane
+  Vec3 per_right_, per_down_;
   Vec3 normal_;
-  Vec3 axis_, facing_;  ///< of a cylinder
+  Vec3 axis_, facing_;  ///< axis of a cylinder, and the direction that a semicylinder faces
   bool has_axis_ = false;
   float area_;
 };

@@ -12,7 +12,7 @@
 namespace aureole {
 
 ClipPlanes::ClipPlanes(const Properties& p) {
-  // The squares of both distances stay within the range of float.
+  // The clip distances are limited, so that their squares stay within the range of float.
   near = float(std::clamp(p.get_float("near_clip", 1e-2, Range::positive()), 1e-12, 1e12));
   far = float(std::clamp(p.get_float("far_clip", 1e4, Range::positive()), 1e-12, 1e18));
   if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
@@ -21,7 +21,7 @@ ClipPlanes::ClipPlanes(const Properties& p) {
 std::string ClipPlanes::note(const Properties& p, const Transform& to_camera, std::span<const Bounds3> boxes,
                              double far_z) const {
   bool any_far = false, any_near = false;
-  float first = kInfinity, last = -kInfinity;  // along the axis
+  float first = kInfinity, last = -kInfinity;  // nearest and farthest coordinate of the boxes along the axis
   for (const Bounds3& box : boxes) {
     float low = kInfinity, high = -kInfinity;
     for (int corner = 0; corner < 8; ++corner) {
@@ -75,7 +75,7 @@ void LensCamera::set_lens(double aperture_radius, double focus_distance) {
 
 void LensCamera::fit(PlacedSensor& at) const {
   const double width = at.part.width, height = at.part.height;
-  // The tangent of the angle subtended by a pixel at the centre.
+  // Tangent of the angle that a pixel subtends at the centre.
   at.pixel_size = float(2 * field_of_view_.tangent_of_half_width(width / height) / width);
   at.film_center = {float(at.part.left + width * (0.5 - principal_point_offset_[0])),
                     float(height * (0.5 - principal_point_offset_[1]))};
@@ -83,7 +83,7 @@ void LensCamera::fit(PlacedSensor& at) const {
 
 std::optional<PinholeView> LensCamera::pinhole(const PlacedSensor& at) const {
   if (aperture_radius_ > 0) return {};
-  // Camera space has x to the left and y up.
+  // The axes are reversed, since camera space has x to the left and y up.
   return PinholeView{Transform::scale(-1, -1, 1) * to_camera_, at.film_center, 1 / at.pixel_size, clip_.near,
                      clip_.far};
 }
@@ -99,7 +99,7 @@ SensorRay LensCamera::sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) c
   const Vec3 v{(at.film_center.x - film.x) * at.pixel_size - a.x * inverse_focus_,
                (at.film_center.y - film.y) * at.pixel_size - a.y * inverse_focus_, 1};
   const Vec3 d = normalize(axes_[0] * v.x + axes_[1] * v.y + axes_[2]);
-  // Distances along the ray between the planes: each unit along the ray is 1 / |v| along z.
+  // Distances along the ray from plane to plane: a unit along the ray is 1 / |v| along z.
   const float slope = length(v), to_near = clip_.near * slope, to_far = clip_.far * slope;
   const Vec3 from = aperture_radius_ > 0 ? to_world_.point({a.x, a.y, 0}) : origin_;
   return {{from + d * to_near, d, to_far - to_near}};
@@ -110,7 +110,7 @@ std::optional<SensorConnection> LensCamera::sample_direct(const PlacedSensor& at
   const Vec3 q = to_camera_.point(reference);
   if (!(q.z >= clip_.near && q.z <= clip_.far)) return {};
   const Vec2 a = aperture_point(lens);
-  const Vec3 v{(q.x - a.x) / q.z, (q.y - a.y) / q.z, 1};  // from the aperture to q, scaled to z = 1
+  const Vec3 v{(q.x - a.x) / q.z, (q.y - a.y) / q.z, 1};  // vector from the aperture to q, scaled to z = 1
   const Vec2 film{at.film_center.x - (v.x + a.x * inverse_focus_) / at.pixel_size,
                   at.film_center.y - (v.y + a.y * inverse_focus_) / at.pixel_size};
   if (!at.part.samples(film)) return {};
@@ -128,7 +128,7 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
   const Vec3 q = to_camera_.point(p);
   const Vec2 v{local.x / local.z, local.y / local.z};
   Vec2 a{q.x - v.x * q.z, q.y - v.y * q.z};
-  // Passes through the pinhole to within the rounding error of the coordinates.
+  // Whether the ray passes through the pinhole, to within the rounding error of the coordinates.
   const float rounding = 1e-5f * (length(origin_) + length(q));
   const float reach = std::max(aperture_radius_, rounding), r2 = aperture_radius_ * aperture_radius_;
   if (dot(a, a) > reach * reach) return {};

@@ -13,7 +13,7 @@
 
 namespace aureole {
 
-/// Only geometry between `near` and `far` along the camera's z axis is visible.
+/// Clip planes: only geometry between `near` and `far` along the camera's z axis is visible.
 struct ClipPlanes {
   float near = 1e-2f, far = 1e4f;
   explicit ClipPlanes(const Properties& properties);
@@ -53,17 +53,18 @@ private:
   Vec2 aperture_point(Vec2 lens) const;
 
   Transform to_world_, to_camera_;
-  Vec3 origin_, axes_[3];  ///< of camera space
+  Vec3 origin_, axes_[3];  ///< origin and axes of camera space in the world
   ClipPlanes clip_;
   float aperture_radius_ = 0;
-  float inverse_focus_ = 0;  ///< 1 / distance of the plane in focus; unused for a pinhole
+  float inverse_focus_ = 0;  ///< inverse distance of the plane in focus; unused for a pinhole
   FieldOfView field_of_view_;
-  double principal_point_offset_[2];  ///< fractions of the picture's width and height
+  /// offset of the principal point, in fractions of the picture's width and height
+  double principal_point_offset_[2];
 };
 
 /// Appends to `own` the rows of the parameter table that all cameras share: near_clip and far_clip.
 std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own);
-/// Appends to `own` the rows for a LensCamera: to_world, field of view, centre of projection, and those of
+/// Appends to `own` the rows for a LensCamera: to_world, field of view, centre of projection, and the rows of
 /// `camera_parameters`.
 std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own);
 

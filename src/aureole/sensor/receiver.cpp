@@ -7,11 +7,11 @@ namespace aureole {
 
 namespace {
 
-/// The sine of the angle between a unit direction and a unit axis.
+/// Returns the sine of the angle between a unit direction and a unit axis.
 float sine_to(const Vec3& axis, const Vec3& d) { return length(cross(axis, d)); }
 
-/// The angle x in [0, 2 pi] with (x - sin x)/(2 pi) = u, by bisection and Newton's method. Half of it is the angle from
-/// a cylinder's axis.
+/// Returns the angle x in [0, 2 pi] with (x - sin x)/(2 pi) = u, by bisection and Newton's method. Half of x
+/// is the angle from a cylinder's axis.
 double angle_of_segment(double u) {
   double low = 0, high = 2 * M_PI, x = 2 * M_PI * u;
   for (int i = 0; i < 60; ++i) {

@@ -62,8 +62,8 @@ void Sensor::read_common(const Properties& p, Measures measures, std::optional<M
 Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Vec3& v) {
   const float largest = max_component(abs(v));
   if (!(largest > 0)) throw p.error(name, "must not be zero");
-  return normalize(v * (1 / std::max(largest, 1e-37f)));  // the squares of very large and small ones exceed
-                                                          // the range of float
+  // v is scaled first, since the squares of very large and very small components exceed the range of float
+  return normalize(v * (1 / std::max(largest, 1e-37f)));
 }
 
 void Sensor::check_shape(const ShapeArea&) const {

@@ -43,8 +43,8 @@ struct SensorResponse {
   // the lens.
   float pdf_position = 0;   ///< pdf of the point of the aperture [1/m^2], or a probability mass for a single
                             ///< point
-  float pdf_direction = 0;  ///< [1/sr], or a probability mass for a single direction
-  /// Pdf with which rays pass the given point, per area perpendicular to the ray [1/m^2]: rays from that
+  float pdf_direction = 0;  ///< pdf of the direction [1/sr], or a probability mass for a single direction
+  /// Pdf with which rays cross the given point, per area perpendicular to the ray [1/m^2]: rays from that
   /// point of the aperture, or rays of the single direction.
   float pdf_across = 0;
 };
@@ -53,11 +53,13 @@ struct SensorResponse {
 struct Receiver {
   /// How the response depends on the direction.
   enum class Measure {
-    irradiance,       ///< the cosine with the normal, on its side
-    fluence,          ///< 1
-    cylindrical,      ///< sin(e)/pi, e from `axis`: the mean over the side of a small cylinder
-    semicylindrical,  ///< sin(e) (1 + cos(a))/pi, a from the normal about `axis`: the mean over half of that side
-    far               ///< 1 for emitters without extent that the receiver sees from afar; it samples no ray
+    irradiance,   ///< the cosine with the normal, on its side
+    fluence,      ///< 1
+    cylindrical,  ///< sin(e)/pi with e the angle from `axis`: the mean over the side of a small cylinder
+    /// sin(e) (1 + cos(a))/pi with a the azimuth from the normal about `axis`: the mean over half of that
+    /// side
+    semicylindrical,
+    far  ///< 1 for emitters without extent, seen by the receiver from afar; it samples no ray
   };
 
   Vec3 p;
@@ -66,12 +68,12 @@ struct Receiver {
   Measure measure = Measure::fluence;
   float weight = 1;  ///< factor of the response, to correct the pdf of the receiver's position
   Vec3 axis{};       ///< unit axis of a cylinder; a semicylinder's normal is perpendicular to it
-  float far_share =
-      0;  ///< pdf of Measure::far [1/sr]: that of a sensor's ray at its own place, see its sensor
+  /// for Measure::far, the pdf [1/sr] of a ray of the sensor at its own position (see the sensors)
+  float far_share = 0;
 
-  /// Factor of the radiance that arrives from the unit direction `d`.
+  /// Returns the factor of the radiance that arrives from the unit direction `d`.
   float response(const Vec3& d) const;
-  /// The integral of the response over all directions.
+  /// Returns the integral of the response over all directions.
   float total() const;
   /// The pdf of `sample_ray` [1/sr]: the response over its integral, without `weight`.
   float pdf(const Vec3& d) const;
@@ -88,7 +90,7 @@ struct Receiver {
 /// An intersection of a ray of light with the receivers of a sensor.
 struct SensorCrossing {
   Vec3 p;
-  Vec2 film;  ///< as in Sensor::sample_ray
+  Vec2 film;  ///< film position, as in Sensor::sample_ray
   /// Area of film [pixels^2] per area of the receivers' plane [1/m^2] times response over |cos|. The power of
   /// the ray times importance is the contribution to the film.
   float importance;
@@ -101,16 +103,17 @@ struct FilmPart {
   Vec2 lower, upper;  ///< bounds of the ray positions: the crop and, with sample_border, its border
 
   static FilmPart of(const Film& film, int index, int count);
-  float sample_area() const { return (upper.x - lower.x) * (upper.y - lower.y); }  ///< [pixels^2]
+  /// area of the ray positions on the film [pixels^2]
+  float sample_area() const { return (upper.x - lower.x) * (upper.y - lower.y); }
   bool samples(Vec2 p) const { return p.x >= lower.x && p.y >= lower.y && p.x <= upper.x && p.y <= upper.y; }
 };
 
 /// A projection through one point, as a camera of computer vision states it: x to the right and y down in the picture, z
 /// along the optical axis.
 struct PinholeView {
-  Transform to_camera;              ///< from the world
+  Transform to_camera;              ///< transform from the world to camera space
   Vec2 center;                      ///< film position of the optical axis [pixels]
-  float focal = 1;                  ///< [pixels]: film = center + focal (x / z, y / z)
+  float focal = 1;                  ///< focal length [pixels]: film = center + focal (x / z, y / z)
   float near = 0, far = kInfinity;  ///< depths z between which geometry is visible
 };
 
@@ -119,8 +122,8 @@ public:
   static constexpr const char* kFamily = "a sensor";
   using Object::Object;
 
-  /// The ray of `film_position` (pixels from the film's top left corner, not the crop's). `lens` chooses a
-  /// point of the aperture.
+  /// Samples the ray of `film_position` (pixels from the film's top left corner, not the crop's). `lens`
+  /// chooses a point of the aperture.
   virtual SensorRay sample_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens) const = 0;
   /// Whether sample_ray uses `lens`: two dimensions of the sampler.
   virtual bool uses_lens() const { return false; }
@@ -131,11 +134,11 @@ public:
     return {};
   }
 
-  /// The response to a ray through `p` of direction `d` (away from the sensor, as in sample_ray), whether or
-  /// not p is between the clip planes. `seen` is its film position if known, as given to sample_ray or found
-  /// by sample_direct. Meters need it, because a line may intersect their surface more than once; a batch
-  /// uses it to select the sensor. Returns nothing if the ray does not reach the film, or if light cannot be
-  /// connected to the sensor. Sensors with parallel rays ignore `d`.
+  /// Returns the response to a ray through `p` of direction `d` (away from the sensor, as in sample_ray),
+  /// whether or not p is between the clip planes. `seen` is its film position if known, as given to
+  /// sample_ray or found by sample_direct. Meters need it, because a line may intersect their surface more
+  /// than once; a batch uses it to select the sensor. Returns nothing if the ray does not reach the film, or
+  /// if light cannot be connected to the sensor. Sensors with parallel rays ignore `d`.
   virtual std::optional<SensorResponse> eval(const PlacedSensor& /*at*/, const Vec3& /*p*/, const Vec3& /*d*/,
                                              std::optional<Vec2> /*seen*/) const {
     return {};
@@ -169,7 +172,7 @@ public:
   const Medium* medium() const { return medium_.get(); }
   const Film& film() const { return *film_; }
   const Sampler& sampler() const { return *sampler_; }
-  /// Whether it measures one number instead of a picture.
+  /// Whether the sensor measures one number instead of a picture.
   bool is_meter() const { return measures_ == Measures::value; }
 
 protected:
@@ -177,11 +180,12 @@ protected:
   /// Reads the parameters of every sensor: film (default: hdrfilm), sampler (default: sobol), medium, srf and
   /// shutter times. A meter's film must have one pixel and no reconstruction filter, which would weight
   /// samples by their position in the pixel.
-  /// The film learns the kind of quantity; nothing: the sensor tells it itself (`Film::set_measured`).
+  /// `measured` is the kind of quantity that the film measures; without it the sensor itself calls
+  /// `Film::set_measured`.
   void read_common(const Properties& properties, Measures measures = Measures::picture,
                    std::optional<MeasuredKind> kind = MeasuredKind::radiance);
 
-  /// The unit vector along v, the value of the parameter `name`. Throws Error for a zero vector.
+  /// Returns the unit vector along v, the value of the parameter `name`. Throws Error for a zero vector.
   static Vec3 unit_direction(const Properties& properties, std::string_view name, const Vec3& v);
 
   const std::shared_ptr<Film>& shared_film() const { return film_; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `SensorShape`: a <shape> element as sensors use it, which nest shapes that they measure on or aim at.
+// `SensorShape`: a <shape> element in the form that sensors need, which nest shapes that they measure on or
+// aim at.
 #pragma once
 
 #include "aureole/plugin/object.h"
@@ -10,15 +11,15 @@ namespace aureole {
 
 class Sensor;
 
-/// Derived from by `Asset` (asset/asset.h).
+/// The base class of `Asset` (asset/asset.h) that gives sensors the shape.
 class SensorShape : public Object {
 public:
   static constexpr const char* kFamily = "a shape";
 
-  /// The sensor that sits on it, or null, and the surface that it measures on.
+  /// The sensor that is attached to the shape, or null, and the surface that it measures on.
   const std::shared_ptr<const Sensor>& sensor() const { return sensor_; }
   const std::shared_ptr<const ShapeArea>& sensor_area() const { return sensor_area_; }
-  /// The shape, where it is a single one; else null.
+  /// Returns the shape, if the element has a single one; else null.
   virtual ShapePtr shape() const = 0;
 
 protected:

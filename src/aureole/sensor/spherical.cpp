@@ -28,7 +28,7 @@ public:
   }
 
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2) const override {
-    // Beyond the poles, where a border of the film is sampled, the picture keeps its last row.
+    // Beyond the poles, where a border of the film is sampled, rays of the picture's last row are used.
     const Vec2 uv{(film.x - at.part.left) / at.part.width, std::clamp(film.y / at.part.height, 0.f, 1.f)};
     const Vec3 d = normalize(to_world_.vector(lat_long_direction(uv)));
     return {{origin_ + d * clip_.near, d, clip_.far - clip_.near}};
@@ -88,7 +88,8 @@ private:
     const Vec2 uv = lat_long_uv(d);
     return {at.part.left + uv.x * at.part.width, uv.y * at.part.height};
   }
-  /// Area of film [pixels^2] per solid angle, which is infinite at the poles: they are kept away from.
+  /// Area of film [pixels^2] per solid angle. The area is infinite at the poles, so that the sine has a lower
+  /// bound.
   static float pixels_per_angle(const PlacedSensor& at, const Vec3& d) {
     const float sine = std::max(std::hypot(d.x, d.z), 1e-6f);
     return at.part.width * at.part.height / (2 * kPi * kPi * sine);

@@ -15,7 +15,8 @@ namespace aureole {
 struct ShapeSample {
   Vec3 p, p_error, ng;
   Vec2 uv;
-  float pdf;  ///< of sample_direct: solid-angle pdf from the reference point [1/sr]; of sample_area: per area
+  /// solid-angle pdf from the reference point [1/sr] for sample_direct; pdf per area for sample_area
+  float pdf;
   std::uint32_t primitive = 0;
   Vec2 barycentric{};
 };
@@ -23,7 +24,7 @@ struct ShapeSample {
 /// A sample without texture coordinates, sufficient for an emitter of uniform radiance.
 struct PositionSample {
   Vec3 p, p_error, ng;
-  float pdf = 0;  ///< 0: there is no such point
+  float pdf = 0;  ///< solid-angle pdf [1/sr]; 0: no such point exists
 };
 
 /// Purpose of a sampler. For emitters, triangles of a mesh are paired into patches. Sensors sample the whole
@@ -47,8 +48,8 @@ public:
   /// patch.
   virtual std::pair<Vec3, float> patch_normals(std::size_t patch) const = 0;
 
-  /// Samples a point of the patch as seen from `reference`, by solid angle where that is worth its cost.
-  /// Empty if the patch is not visible from there or has no area.
+  /// Samples a point of the patch as seen from `reference`, by solid angle where that reduces noise enough
+  /// for its cost. Empty if the patch is not visible from there or has no area.
   virtual std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch,
                                                    Vec2 u) const = 0;
   /// Samples as `sample_direct` does: equal points and pdfs, but no texture coordinates.

@@ -41,8 +41,8 @@ public:
 private:
   CurvePoint locate(std::uint32_t primitive, const Double3& met, double v) const override {
     const ControlPoint* control = segment(primitive);
-    // Embree's hits have a tolerance. Two Newton steps find the v whose cross-section plane contains the
-    // point.
+    // Embree's hits have a tolerance, which two Newton steps correct: they find the v whose cross-section
+    // plane contains the point.
     for (int i = 0; i < 2; ++i) {
       const SplinePoint at(control, v);
       const double slope = dot(met - at.c, at.ddc) - dot(at.dc, at.dc);
@@ -54,13 +54,14 @@ private:
     out = out - tangent * dot(out, tangent);
     const double l = length(out);
     out = l > 0 ? out * (1 / l) : CurveFrame(tangent).radius;
-    // Cross-sections of a bent curve are tilted to each other, so the normal is that of the surface they
-    // sweep.
+    // Cross-sections of a bent curve are tilted to each other, so that the normal is the normal of the
+    // surface that they sweep.
     const Double3 n = out * (dot(at.dc, at.dc) - at.r * dot(out, at.ddc)) - at.dc * at.dr;
     const double n_length = length(n);
     return {v, at.c, tangent, out, at.r, n_length > 0 ? n * (1 / n_length) : out};
   }
-  /// p = c + r e, e = radius cos 2 pi u + rotation sin 2 pi u; the frame also turns with v.
+  /// Derivatives of p = c + r e, e = radius cos 2 pi u + rotation sin 2 pi u; the frame rotates with v as
+  /// well.
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override {
     const SplinePoint at(segment(point.primitive), point.barycentric.x);
     const Double3 t = at.tangent();
@@ -68,7 +69,7 @@ private:
     const double phi = 2 * kPiD * point.uv.x, speed = length(at.dc);
     const Double3 e = frame.direction(point.uv.x);
     const Double3 dt = speed > 0 ? (at.ddc - t * dot(at.ddc, t)) * (1 / speed) : Double3();
-    // rotation = guide / |guide|, guide = z - t t_z.
+    // The vector `rotation` is guide / |guide| with guide = z - t t_z.
     const Double3 guide = Double3(0, 0, 1) - t * t.z, d_guide = t * -dt.z - dt * t.z;
     const double l = length(guide);
     const Double3 d_rotation =
@@ -111,11 +112,11 @@ RTCGeometry BSplineCurve::make_geometry(RTCDevice device) const {
 
 bool BSplineCurve::is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d,
                                   double t) const {
-  // The inside is invisible (as in Mitsuba 3): a ray that starts inside, or enters at an open end, passes.
+  // The inside is invisible (as in Mitsuba 3): a ray that starts inside, or enters at an open end, continues.
   // Embree's hits have a tolerance: near grazing incidence, rays that leave the surface may hit it again.
   const CurvePoint at = locate(primitive, o + d * t, u);
   if (dot(at.normal, d) > 0) return false;
-  // Hits behind a ray that starts just inside are ignored, too.
+  // Hits behind a ray that starts just inside are ignored as well.
   if (t * length(d) > at.radius) return true;
   const CurvePoint start = locate(primitive, o, u);
   const Double3 from_axis = o - start.center;

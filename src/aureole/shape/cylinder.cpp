@@ -29,7 +29,7 @@ struct PlacedCylinder {
   std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
     const Double3 from = place.local_point(o), along = place.local_vector(d);
     const double a = along.x * along.x + along.y * along.y, b = -(from.x * along.x + from.y * along.y);
-    if (!(a > 0)) return std::nullopt;  // parallel to the axis
+    if (!(a > 0)) return std::nullopt;  // the ray is parallel to the axis
     // The discriminant is computed from the distance between axis and line, without cancellation (Haines et
     // al. 2019, "Precision improvements for ray/sphere intersection"); c is factorised, exact near the
     // surface.
@@ -88,7 +88,7 @@ public:
 
   const Placement& place() const { return cylinder_.place; }
   bool is_flipped() const { return flipped_; }
-  /// Returns the surface point with these local coordinates, moved onto the surface.
+  /// Returns the surface point with the given local coordinates, moved onto the surface.
   SurfacePoint point_at(double x, double y, double z) const;
 
 private:
@@ -107,7 +107,7 @@ public:
     };
     is_round_ =
         std::abs(length(y) - radius_) < 1e-5 * radius_ && across(x, y) && across(y, z) && across(z, x);
-    // A few points are exact for nearly circular ellipses: the integrand is smooth and periodic.
+    // Few points suffice for nearly circular ellipses, since the integrand is smooth and periodic.
     constexpr int kPoints = 256;
     for (int i = 0; i < kPoints; ++i) {
       const double phi = 2 * kPiD * i / kPoints;
@@ -149,15 +149,15 @@ private:
     return {place().local_point(Double3(reference)), cylinder_.is_flipped()};
   }
   float pdf_by_area(const AffineView& seen, const Vec3& reference, const Vec3& p, const Vec3& ng) const;
-  /// Area per azimuth and z at a point of the unit circle.
+  /// Returns the area per azimuth and z at a point of the unit circle.
   double area_element(double x, double y) const {
     return length(cross(place().vector({-y, x, 0}), place().axis(2)));
   }
 
   const Cylinder& cylinder_;
   double area_ = 0;
-  double radius_ = 0, length_ = 0;  ///< of a round cylinder
-  bool is_round_ = false;           ///< right circular, neither elliptic nor oblique
+  double radius_ = 0, length_ = 0;  ///< radius and length of a round cylinder
+  bool is_round_ = false;           ///< whether the cylinder is right circular, neither elliptic nor oblique
 };
 
 std::shared_ptr<const AreaSampler> Cylinder::make_area_sampler(AreaUse use) const {

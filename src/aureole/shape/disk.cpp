@@ -27,7 +27,8 @@ struct PlacedDisc {
   std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
     const Double3 from = place.local_point(o), along = place.local_vector(d);
     const double t = -from.z / along.z;
-    if (!(t > t_min && t < t_max)) return std::nullopt;  // also where the ray is parallel to the plane
+    if (!(t > t_min && t < t_max))
+      return std::nullopt;  // true as well where the ray is parallel to the plane
     const double x = from.x + along.x * t, y = from.y + along.y * t;
     return x * x + y * y <= 1 ? std::optional<double>(t) : std::nullopt;
   }
@@ -55,8 +56,8 @@ public:
     return {disc_.place.vector({c, s, 0}).to_float(),
             (disc_.place.vector({-s, c, 0}) * (2 * kPiD * point.uv.x)).to_float()};
   }
-  /// Returns the surface point with these coordinates; points that rounding moved beyond the rim are moved
-  /// back onto it.
+  /// Returns the surface point with the given local coordinates; points that rounding moved beyond the rim
+  /// are moved back onto it.
   SurfacePoint point_at(double x, double y) const {
     const double r = std::hypot(x, y);
     if (r > 1) x /= r, y /= r;

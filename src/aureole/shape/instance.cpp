@@ -119,8 +119,8 @@ SurfacePoint Instance::surface_point(const Shape& shape, const ShapeHit& hit, co
   }
   s.ng = normalize(transposed(to_group_, s.ng));
   const Vec3 n = normalize(transposed(to_group_, s.shading.n));
-  // The frame's tangent was made perpendicular to the normal, which the map does not preserve, so it is
-  // recomputed.
+  // The frame is recomputed: its tangent was made perpendicular to the normal, which the map does not
+  // preserve.
   s.shading = tangent ? Frame::from_normal_tangent(n, linear(to_world_, shape.own_derivatives(s).dp_du))
                       : Frame::from_normal(n);
   s.instance = this;
@@ -137,7 +137,8 @@ float Instance::farthest(float limit) const {
     const double size = std::abs(double(row[0])) + std::abs(double(row[1])) + std::abs(double(row[2]));
     least = std::min(least, (double(limit) - std::abs(double(row[3]))) / size);
   }
-  return float(std::max(least, 0.0) * (1 - 1e-6));  // margin for the rounding of the transformed ray
+  // the factor is a margin for the rounding of the transformed ray
+  return float(std::max(least, 0.0) * (1 - 1e-6));
 }
 
 Bounds3 Instance::bounds() const {

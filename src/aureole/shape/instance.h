@@ -18,8 +18,8 @@ struct ShapeList;
 
 class Instance {
 public:
-  /// `list` (asset/primitive.h) has the shapes, which lie in `bounds`; errors are located at `to_world` of
-  /// `properties`.
+  /// Makes an instance. `list` (asset/primitive.h) has the shapes, which lie in `bounds`; errors are located
+  /// at `to_world` of `properties`.
   Instance(std::shared_ptr<const ShapeList> list, const Bounds3& bounds, const Transform& to_world,
            const Properties& properties);
 
@@ -28,7 +28,7 @@ public:
 
   /// Returns a committed Embree geometry, owned by the caller; `scene` contains the shapes.
   RTCGeometry make_geometry(RTCDevice device, RTCScene scene) const;
-  /// Returns the surface point of a hit on `shape`, one of the group's. Sets all members but `surface`.
+  /// Returns the surface point of a hit on `shape`, one of the group's. Sets all members except `surface`.
   SurfacePoint surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray, bool tangent) const;
   Vec3 point_to_world(const Vec3& p) const;
   Vec3 point_to_group(const Vec3& p) const;
@@ -37,8 +37,8 @@ public:
   Transform to_group() const { return affine(to_group_); }
   SurfaceDerivatives to_world(const SurfaceDerivatives& d) const;
   Bounds3 bounds() const;
-  /// Returns the magnitude of origins and directions of rays up to which the transformed ones are at most
-  /// `limit`.
+  /// Returns the magnitude of origins and directions of rays up to which their transformed coordinates are at
+  /// most `limit`.
   float farthest(float limit) const;
 
 private:
@@ -47,8 +47,9 @@ private:
   static Transform affine(const Rows& rows);
 
   std::shared_ptr<const ShapeList> list_;
-  Bounds3 bounds_;  ///< of the shapes, in the group's coordinates
-  // In single precision, as the ray caster stores it: the rounded transform defines the instance's position.
+  Bounds3 bounds_;  ///< bounds of the shapes, in the group's coordinates
+  // The transforms in single precision, as the ray caster stores them: the rounded transform defines the
+  // instance's position.
   Rows to_world_, to_group_;
   Rows error_;  ///< bound of the ray caster's error for an origin o: error_ applied to (|o|, 1)
 };

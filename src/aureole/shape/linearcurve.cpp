@@ -44,7 +44,8 @@ struct ConeSegment {
 
 std::optional<double> ConeSegment::enter(const Double3& o, const Double3& d, double t_min,
                                          double t_max) const {
-  // Computed from the ray's point nearest to the segment's start, so that distant origins lose no precision.
+  // Distances are computed from the ray's point nearest to the segment's start, so that distant origins lose
+  // no precision.
   const double dd = dot(d, d), shift = dot(start - o, d) / dd;
   const Double3 from = o + d * shift - start;
   t_min -= shift, t_max -= shift;
@@ -54,12 +55,13 @@ std::optional<double> ConeSegment::enter(const Double3& o, const Double3& d, dou
   };
 
   const double s = sine(), cos2 = 1 - s * s;
-  double reach =
-      0;  // a point x + reach along the axis belongs to the cone for values from 0 to length * cos2
+  // a point x + reach along the axis belongs to the cone for values from 0 to length * cos2
+  double reach = 0;
   const bool is_cone = std::abs(s) < 1;
   const Double3 axis = tangent();
   if (is_cone) {
-    // |p|^2 cos^2 - x^2 = 2 r0 s x + r0^2, with x along the axis; the other nappe has r0 + s x < 0.
+    // The cone is |p|^2 cos^2 - x^2 = 2 r0 s x + r0^2, with x along the axis; the other nappe has r0 + s x <
+    // 0.
     const double x = dot(from, axis), dx = dot(d, axis), r0 = start_radius;
     reach = r0 * s;
     const double a = cos2 * dd - dx * dx, b = x * dx + reach * dx - cos2 * dot(from, d);
@@ -94,8 +96,8 @@ class LinearCurve final : public Curves {
 public:
   explicit LinearCurve(const Properties& properties) : Curves(properties, 2) {}
 
-  // Embree has such curves, too, but misses many hits for segments shorter than a hundredth of a unit and for
-  // rays along the axis.
+  // Returns a user geometry. Embree has such curves as well, but misses many hits for segments shorter than a
+  // hundredth of a unit and for rays along the axis.
   RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, *this); }
   Bounds3 bounds(std::uint32_t primitive) const {
     const ControlPoint* c = segment(primitive);
@@ -107,7 +109,8 @@ public:
     return b;
   }
   using Curves::bounds;
-  /// The inside is invisible (as in Mitsuba 3), and so is a segment's part within its neighbours.
+  /// Only hits from outside count, as in Mitsuba 3: the inside is invisible, and so is a segment's part
+  /// within its neighbours.
   std::optional<double> intersect(std::uint32_t primitive, const Double3& o, const Double3& d, double t_min,
                                   double t_max) const {
     const ControlPoint* c = segment(primitive);

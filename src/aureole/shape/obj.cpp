@@ -46,13 +46,13 @@ private:
   MeshData d_;
   std::vector<Corner> polygon_;
   std::vector<FannedPolygon> polygons_;
-  std::size_t colored_vertices_ = 0;  ///< v statements with more than x, y, z and a weight
+  std::size_t colored_vertices_ = 0;  ///< number of v statements with more than x, y, z and a weight
   std::size_t small_faces_ = 0;
   std::vector<std::string> materials_{""}, libraries_;
   std::map<std::string, std::uint32_t, std::less<>> material_index_;
   std::uint32_t material_ = 0;  ///< material of the following faces
   std::set<std::string, std::less<>> ignored_;
-  std::vector<std::string> notes_;  ///< on polygons
+  std::vector<std::string> notes_;  ///< notes on polygons
 };
 
 /// Returns the end of the statement at `at`. A backslash before a newline continues the line and becomes a
@@ -65,7 +65,7 @@ char* ObjReader::end_of_line(char* at) {
     char* last = e;
     while (last > at && last[-1] == '\r') --last;
     if (last == at || last[-1] != '\\') return e;
-    // Replacing the newline would break the line count, so only the backslash is replaced; below, blanks
+    // Only the backslash is replaced, since replacing the newline would break the line count; below, blanks
     // include newlines.
     last[-1] = ' ';
     from = e + 1;
@@ -79,8 +79,8 @@ double ObjReader::number(Scanner& s, const char* what) {
   return value;
 }
 
-/// Reads an index and counts from 0. Positive indices may exceed `count` unless they must precede: what they
-/// refer to may follow in the file, or be missing.
+/// Reads an index and counts from 0. Positive indices may exceed `count` unless the values must precede: the
+/// value may follow in the file, or be missing.
 std::uint32_t ObjReader::index(Scanner& s, std::size_t count, const char* what, bool must_precede) {
   long long i;
   if (!s.integer(i)) throw file_.error_at(s.at, std::string("expected the index of a ") + what);
@@ -140,11 +140,11 @@ void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
     const auto [found, is_new] = material_index_.try_emplace(std::string(s.rest()), materials_.size());
     if (is_new) materials_.push_back(found->first);
     material_ = found->second;
-    d_.materials.resize(d_.triangles.size(), 0);  // faces before the first statement
+    d_.materials.resize(d_.triangles.size(), 0);  // the faces before the first statement have material 0
     return;
   }
   if (keyword == "mtllib") {
-    // One name that has blanks, or several.
+    // Adds one file name that contains blanks, or one of several names.
     const auto add = [&](std::string path) {
       std::replace(path.begin(), path.end(), '\\', '/');
       libraries_.push_back(std::move(path));
@@ -169,7 +169,7 @@ void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
 
 template <class PlacePoint, class PlaceNormal>
 MeshData ObjReader::read(const PlacePoint& place_point, const PlaceNormal& place_normal) {
-  // A vertex or a face takes some 30 bytes.
+  // Memory is reserved by the size of the file: a vertex or a face takes some 30 bytes.
   d_.positions.reserve(file_.size() / 80);
   d_.triangles.reserve(file_.size() / 60);
   for (char *at = file_.begin(), *eof = at + file_.size(); at < eof;) {
@@ -201,7 +201,7 @@ MeshData ObjReader::read(const PlacePoint& place_point, const PlaceNormal& place
 
 void ObjReader::finish() {
   if (d_.triangles.empty()) throw file_.error("no faces in the file");
-  // Missing entries refer to a common one: texture coordinates (0, 0), no normal.
+  // Missing entries refer to a common value: texture coordinates (0, 0), or no normal.
   const auto resolve = [&](auto& values, std::vector<TriangleIndices>& indices, const char* what,
                            bool whole) {
     const auto last = std::uint32_t(values.size());

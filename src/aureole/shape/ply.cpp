@@ -105,7 +105,7 @@ private:
 
   template <class PlacePoint, class PlaceNormal>
   void vertices(const Element& e, const PlacePoint& place_point, const PlaceNormal& place_normal) {
-    // slot[k] of property k: 0-2 position, 3-5 normal, 6-7 texture coordinates, 8 anything else
+    // Destination slot[k] of property k: 0-2 position, 3-5 normal, 6-7 texture coordinates, 8 any other.
     std::vector<int> slot(e.properties.size(), 8);
     const auto all = [&](std::initializer_list<const char*> names, int first) {
       for (const char* name : names)
@@ -184,7 +184,7 @@ private:
   std::size_t small_faces_ = 0;
   std::set<std::string> ignored_;
   std::vector<FannedPolygon> polygons_;
-  std::vector<std::string> notes_;  ///< on polygons and colours
+  std::vector<std::string> notes_;  ///< notes on polygons and colours
 };
 
 class Ply final : public Mesh {

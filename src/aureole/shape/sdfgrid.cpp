@@ -67,12 +67,13 @@ public:
     }
     return outward_bounds(middle - reach, middle + reach);
   }
-  /// Both sides are visible.
+  /// Returns the first crossing in either direction, since both sides are visible.
   std::optional<double> intersect(std::uint32_t primitive, const Double3& o, const Double3& d, double t_min,
                                   double t_max) const {
     const Index3 cell = cell_of(primitive);
     const Double3 from = in_cell(place_.local_point(o), cell), along = scaled(place_.local_vector(d));
-    // Crossings on the face between two cells belong to both, so that rounding lets no ray pass between them.
+    // Margin of the crossings in a cell: crossings on the face between two cells belong to both, so that
+    // rounding lets no ray through between them.
     constexpr double kMargin = 1e-9;
     const auto clip = [&](double p, double v) {
       if (v == 0) {
@@ -93,7 +94,8 @@ public:
     const Index3 cell = cell_of(hit.primitive);
     const TrilinearCell f = values(cell);
     Double3 at = in_cell(place_.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t)), cell);
-    // The distance was rounded to single precision; Newton's method moves the point back onto the surface.
+    // The point is moved back onto the surface by Newton's method, since the distance was rounded to single
+    // precision.
     for (int i = 0; i < 3; ++i) {
       const Double3 g = f.gradient(at);
       const Double3 step = g * (f.at(at) / dot(g, g));
@@ -124,8 +126,8 @@ public:
 
 private:
   double cells_along(std::size_t k) const { return grid_.size[k] - 1; }
-  /// From local coordinates, in which the grid fills [0, 1]^3, to units of cells. A gradient is scaled from
-  /// units of cells to local coordinates.
+  /// Scales a vector from local coordinates, in which the grid fills [0, 1]^3, to units of cells. A gradient
+  /// is scaled from units of cells to local coordinates.
   Double3 scaled(const Double3& v) const {
     return {v.x * cells_along(0), v.y * cells_along(1), v.z * cells_along(2)};
   }
@@ -149,7 +151,7 @@ private:
   Double3 normal_to_world(const Double3& own, const Double3& fallback) const {
     const Double3 n = place_.normal(own);
     const double l = length(n);
-    if (!(l > 0)) return normalize(fallback);  // the gradient vanishes
+    if (!(l > 0)) return normalize(fallback);  // fallback where the gradient vanishes
     return n * ((is_flipped_ ? -1 : 1) / l);
   }
 
@@ -204,7 +206,7 @@ private:
 
   Placement place_;
   VoxelData grid_;
-  std::vector<std::uint32_t> cells_;  ///< first node of each
+  std::vector<std::uint32_t> cells_;  ///< index of the first node of each cell
   Bounds3 bounds_;
   bool is_smooth_ = true, is_flipped_ = false, is_open_ = false;
 };

@@ -38,7 +38,8 @@ public:
   Inflater& operator=(const Inflater&) = delete;
 
   void read(void* to, std::size_t bytes) {
-    constexpr std::size_t kPiece = std::size_t(1) << 30;  // zlib counts in 32 bits
+    constexpr std::size_t kPiece = std::size_t(1)
+                                   << 30;  // upper bound of a step, since zlib counts in 32 bits
     auto* out = static_cast<Bytef*>(to);
     while (bytes > 0) {
       if (stream_.avail_in == 0) {
@@ -64,7 +65,7 @@ public:
     read(&v, sizeof(T));
     return v;
   }
-  /// Number of compressed bytes not yet used.
+  /// Number of compressed bytes that are not used yet.
   std::size_t left() const { return left_ + stream_.avail_in; }
 
 private:
@@ -134,12 +135,13 @@ void read_tuples(Inflater& in, bool in_double, std::size_t count, int dim, const
 
 MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool flip_v) {
   const auto flags = in.value<std::uint32_t>();
-  if (version >= 4)  // the mesh's name
+  if (version >= 4)  // skips the mesh's name
     for (int length = 0; in.value<char>() != 0; ++length)
       if (length > 65536) throw file.error("the compressed data is damaged");
   const auto vertices = in.value<std::uint64_t>(), triangles = in.value<std::uint64_t>();
 
-  // Deflate compresses at most 1032 to 1, so that a damaged count is found before memory is allocated for it.
+  // Upper bound of the content, so that a damaged count is found before memory is allocated for it: deflate
+  // compresses at most 1032 to 1.
   const std::uint64_t most = 1032 * (std::uint64_t(in.left()) + 64);
   const bool has_normals = flags & kHasNormals, has_uvs = flags & kHasUvs, in_double = flags & kDouble;
   const std::uint64_t per_vertex =
@@ -149,7 +151,8 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
       vertices > most / per_vertex || vertices * per_vertex + triangles * 12 > most)
     throw file.error("the file is truncated or damaged: " + std::to_string(vertices) + " vertices and " +
                      std::to_string(triangles) + " triangles cannot be in it");
-  constexpr double kMaxRatio = 64;  // meshes whose vertices differ compress by less than 20 to 1
+  // upper bound of the ratio: meshes whose vertices differ compress by less than 20 to 1
+  constexpr double kMaxRatio = 64;
   try {
     require_content(double(vertices * per_vertex + triangles * 12), double(file.size()), kMaxRatio);
   } catch (const Error& problem) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shape family: geometry that rays intersect. A shape has no BSDF, light or sensor: `Asset` (asset/asset.h)
-// associates these with it, and the scene's `Surface` records store them.
+// The shape family: geometry that rays intersect. A shape has no BSDF, light or sensor: `Asset`
+// (asset/asset.h) associates these with the shape, and the scene's `Surface` records store them.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -29,9 +29,9 @@ public:
   /// Returns a committed Embree geometry, owned by the caller. Its buffers are shared with the shape, which
   /// must outlive it.
   virtual RTCGeometry make_geometry(RTCDevice device) const = 0;
-  /// Returns the surface point of an Embree hit by `ray`. Sets all members but `surface` and `instance`. With
-  /// `tangent` the shading frame's s lies along dp/du; without, it may be any vector perpendicular to the
-  /// normal.
+  /// Returns the surface point of an Embree hit by `ray`. Sets all members except `surface` and `instance`.
+  /// With `tangent` the shading frame's s lies along dp/du; without, it may be any vector perpendicular to
+  /// the normal.
   virtual SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray, bool tangent = true) const = 0;
   /// Returns the derivatives of the position at a surface point, in world space, for bump and normal maps.
   SurfaceDerivatives derivatives(const SurfacePoint& point) const {
@@ -49,11 +49,11 @@ public:
                                   const Wavelengths& /*w*/) const {
     return 0.f;
   }
-  /// Returns an Error for the user that says why there is no such attribute.
+  /// Returns an Error for the user that states why the attribute does not exist.
   virtual Error no_attribute(const SourceLocation& where, const std::string& name) const;
 
   virtual Bounds3 bounds() const = 0;
-  virtual std::size_t primitive_count() const = 0;  ///< triangles, or 1
+  virtual std::size_t primitive_count() const = 0;  ///< number of triangles, or 1
   virtual std::size_t memory_bytes() const { return 0; }
 
   /// Makes a sampler of points on the surface. Throws Error if the shape has no area for that use; the error
@@ -66,14 +66,16 @@ public:
   /// triangles are null.
   virtual std::vector<std::shared_ptr<const Shape>> split(std::span<const std::size_t> part_of) const;
 
-  /// Returns why the surface encloses no volume ("4 edges belong to one triangle alone"); empty if it does.
+  /// Returns the reason why the surface encloses no volume ("4 edges belong to one triangle alone"); empty if
+  /// it encloses one.
   virtual std::string opening() const { return {}; }
 
   /// Returns repairs made by the reader ("3 degenerate triangles dropped"), for `aureole info` and a note.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
 protected:
-  /// Constructor tag for a part of a shape that has been read already: reads no parameters.
+  /// Constructor tag for a part of a shape that has been read already; the constructor then reads no
+  /// parameters.
   struct PartOfShape {};
   Shape(const Properties& properties, PartOfShape) : Object(properties) {}
 

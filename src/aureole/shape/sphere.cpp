@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sphere with Mitsuba 3's conventions: normals point outward; `flip_normals` and a mirroring `to_world`
-// each reverse them (a negative radius, which Mitsuba treats alike, is an error). u is the azimuth about the
-// sphere's local z axis, v runs from its north pole.
+// each reverse them (a negative radius, which has that effect in Mitsuba, is an error). u is the azimuth
+// about the sphere's local z axis, v runs from its north pole.
 #include <algorithm>
 #include <utility>
 
@@ -67,7 +67,7 @@ public:
     return point_in_direction(axis_[0] * (across * std::cos(phi)) + axis_[1] * (across * std::sin(phi)) +
                               axis_[2] * std::cos(theta));
   }
-  /// Sets the position, error bound and geometric normal; returns the outward normal.
+  /// Sets the position, error bound and geometric normal of a point; returns the outward normal.
   template <class Point>
   Double3 set_position(Point& s, const Double3& out) const;
 
@@ -141,7 +141,7 @@ OutlineMesh Sphere::outline_mesh(int pieces) const {
   };
   for (int octant = 0; octant < 8; ++octant)
     side(octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1);
-  // Scaled so that the middle of the longest edge touches the sphere.
+  // Scale by which the middle of the longest edge touches the sphere.
   double least = 1;
   for (const TriangleIndices& t : mesh.triangles)
     for (std::size_t c = 0; c < 3; ++c)
@@ -178,7 +178,7 @@ PositionSample SphereSampler::sample_direct_position(const Vec3& reference, std:
 }
 
 SurfaceDerivatives Sphere::own_derivatives(const SurfacePoint& point) const {
-  // u = phi / 2 pi about the third axis, v = theta / pi from it.
+  // Texture coordinates: u = phi / 2 pi about the third axis, v = theta / pi from that axis.
   const double phi = 2 * kPiD * point.uv.x, theta = kPiD * point.uv.y;
   const Double3 along = axis_[0] * std::cos(phi) + axis_[1] * std::sin(phi);
   const Double3 across = axis_[1] * std::cos(phi) - axis_[0] * std::sin(phi);

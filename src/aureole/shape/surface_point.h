@@ -14,12 +14,13 @@ struct Surface;
 
 struct SurfacePoint {
   Vec3 p;
-  Vec3 p_error;   ///< bound of the rounding error of p, per coordinate
-  Vec3 ng;        ///< geometric normal, unit length; an area emitter emits on its side
+  Vec3 p_error;   ///< upper bound of the rounding error of p, per coordinate
+  Vec3 ng;        ///< geometric normal, unit length; an area emitter emits on that side
   Frame shading;  ///< shading normal in n, s along dp/du
   Vec2 uv;
   const Shape* shape = nullptr;
-  const Surface* surface = nullptr;  ///< its record in the scene (scene/surface.h); null outside of a scene
+  /// the surface's record in the scene (scene/surface.h); null outside of a scene
+  const Surface* surface = nullptr;
   std::uint32_t primitive = 0;
   Vec2 barycentric;  ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
   const Instance* instance = nullptr;  ///< instance through which `shape` was hit, if it belongs to a group
@@ -48,11 +49,11 @@ constexpr float gamma_bound(int n) {
 /// error bound, so that the ray cannot hit its own surface (Pharr, Jakob & Humphreys 2023, "Physically Based
 /// Rendering", section 6.8.6).
 inline Vec3 offset_origin(const Vec3& p, const Vec3& p_error, const Vec3& ng, const Vec3& d) {
-  // The sum is rounded, too.
+  // Distance of the offset; the rounding of the sum itself is included.
   const float distance = dot(abs(ng), p_error + abs(p) * 0x1p-23f);
   return p + ng * (dot(d, ng) < 0 ? -distance : distance);
 }
-/// Distance of that origin from the surface.
+/// Distance from the surface of the origin that `offset_origin` returns.
 inline float offset_distance(const SurfacePoint& s) {
   return dot(abs(s.ng), s.p_error + abs(s.p) * 0x1p-23f);
 }

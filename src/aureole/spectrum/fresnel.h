@@ -12,8 +12,8 @@
 namespace aureole {
 
 struct DielectricFresnel {
-  float reflectance = 1;  ///< 1 beyond the critical angle
-  float cos_t = 0;        ///< positive; 0 beyond the critical angle
+  float reflectance = 1;  ///< reflectance; 1 beyond the critical angle
+  float cos_t = 0;        ///< cosine of the transmitted direction, positive; 0 beyond the critical angle
 };
 
 /// Reflectance for light from a medium of index n_i that hits a medium of index n_t; eta = n_t/n_i, cos_i in
@@ -28,8 +28,8 @@ inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
   return {std::min(0.5f * (r_s * r_s + r_p * r_p), 1.f), std::min(g / eta, 1.f)};
 }
 
-/// Returns the reflectance alone, per wavelength: for one eta or one per wavelength and, with microfacets,
-/// one cosine per wavelength.
+/// Returns the reflectance alone, per wavelength. It takes one eta, or one per wavelength, and, with
+/// microfacets, one cosine per wavelength.
 inline Spectrum fresnel_dielectric(const Spectrum& cos_i, const Spectrum& eta) {
   const Spectrum g2 = (eta - 1.f) * (eta + 1.f) + cos_i * cos_i;
   const SpectrumMask refracts = g2.v > Spectrum(0.f).v;
@@ -47,7 +47,7 @@ inline Spectrum fresnel_conductor(float cos_i, const Spectrum& eta, const Spectr
   const Spectrum real = (eta - 1.f) * (eta + 1.f) - k * k + c2, half_imaginary = eta * k;
   const Spectrum modulus = sqrt(real * real + Spectrum(4.f) * half_imaginary * half_imaginary);
   const Spectrum p = sqrt(Spectrum(0.5f) * (modulus + abs(real)));
-  const Spectrum q = half_imaginary / max(p, 1e-30f);  // p = 0 only where the root is 0
+  const Spectrum q = half_imaginary / max(p, 1e-30f);  // p is 0 only where the root is 0
   const SpectrumMask positive = real.v > Spectrum(0.f).v;
   const Spectrum a = select(positive, p, q), b = select(positive, q, p), b2 = b * b;
   const Spectrum minus = a - cos_i, plus = a + cos_i;

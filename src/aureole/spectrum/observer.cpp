@@ -23,7 +23,7 @@ std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid) {
 }
 
 SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale) {
-  // Scenes have thousands of emitters with colours, on one grid.
+  // The table is kept, since scenes have thousands of emitters with colours, on one grid.
   static std::mutex mutex;
   static std::optional<std::pair<SpectralGrid, SampledSpectrum>> last;
   SampledSpectrum s;

@@ -9,11 +9,11 @@
 
 namespace aureole {
 
-/// xbar, ybar, zbar of the CIE 1931 2-degree observer on `grid`, divided by the integral of ybar [1/nm], so
-/// that a flat spectrum of radiance 1 has Y = 1.
+/// Returns x-bar, y-bar and z-bar of the CIE 1931 2-degree observer on `grid`, divided by the integral of
+/// y-bar [1/nm], so that a flat spectrum of radiance 1 has Y = 1.
 std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid);
 
-/// Illuminant D65 scaled to a luminance `scale` times that of a flat spectrum of value 1.
+/// Returns illuminant D65 scaled to a luminance `scale` times that of a flat spectrum of value 1.
 SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale);
 
 /// Converts XYZ to linear sRGB (IEC 61966-2-1, D65 white).

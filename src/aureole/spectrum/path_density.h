@@ -16,20 +16,21 @@
 
 namespace aureole {
 
-/// The estimate, per wavelength, of light that a ray of the sensor sees, as Film::measure takes it.
+/// Returns the estimate, per wavelength, of light along a ray of the sensor that only one technique finds, as
+/// Film::measure takes it.
 inline Spectrum single_estimate(const Spectrum& light, const Wavelengths& w) {
   return light / (w.pdf * float(kWavelengths));
 }
 
 /// The effect of a null interface or a medium between two vertices: the transmittance and, at a vertex in a
-/// medium, the scattering coefficient; and the pdfs of passing it on a walk and on a connection, divided by
+/// medium, the scattering coefficient; and the pdfs with which a walk and a connection pass it, divided by
 /// the hero's pdf of the walk.
 struct Passage {
   Spectrum value;
   Spectrum flight{1.f}, connection{1.f};
 };
 
-/// The end at which a path begins, which decides the order in which its weights are multiplied.
+/// The endpoint at which a path begins, which decides the order in which its weights are multiplied.
 enum class PathStart { sensor, emitter };
 
 /// Throughput of a path and the ratios of its pdfs per wavelength to the hero's own (`r_u` and `r_l` of
@@ -41,11 +42,12 @@ struct BasicPathDensity {
   using Light = typename L::Light;
   using Weight = typename L::Weight;
 
-  /// f / p_hero: the map of light that arrives at the last vertex; of a light path the light itself.
+  /// Throughput f / p_hero: the map of light that arrives at the last vertex; for a light path the light
+  /// itself.
   std::conditional_t<kStart == PathStart::sensor, Weight, Light> beta{};
-  Spectrum r_u{1.f};  ///< unidirectional sampling; r_u[0] is always 1
-  /// As if light sampling had found the last vertex, without the pdf of that choice; 0 where light sampling
-  /// cannot find it.
+  Spectrum r_u{1.f};  ///< ratio for unidirectional sampling; r_u[0] is always 1
+  /// Ratio as if light sampling had found the last vertex, without the pdf of choosing the light; 0 where
+  /// light sampling cannot find it.
   Spectrum r_l{0.f};
 
   /// Extends the path by a sampled event of value `f` (cosine included) and pdf per wavelength, or mass of a
@@ -56,7 +58,7 @@ struct BasicPathDensity {
     r_l = delta ? Spectrum(0.f) : r_u * inverse;
     r_u *= pdf * inverse;
   }
-  /// Continues through a medium.
+  /// Continues the path through a medium or a null interface.
   void pass(const Passage& p) {
     beta = L::scaled(beta, p.value);
     r_u *= p.flight;
@@ -73,25 +75,27 @@ struct BasicPathDensity {
   /// Whether light sampling could have found the last vertex.
   bool has_light_ratio() const { return r_l[0] > 0; }
 
-  /// The estimate, per wavelength, of a path from the sensor found by one technique only: hitting a light of
-  /// that radiance.
+  /// Returns the estimate, per wavelength, of a path from the sensor that hits a light of that radiance and
+  /// is found by no other technique.
   Spectrum contribution(const Spectrum& radiance, const Wavelengths& w) const {
     return seen(radiance) / (w.pdf * sum(r_u));
   }
-  /// The estimate of a path that hits a light which light sampling would have found with the pdf `light_pdf`.
+  /// Returns the estimate of a path that hits a light, where light sampling would have found that light with
+  /// the pdf `light_pdf`.
   Spectrum met(const Spectrum& radiance, float light_pdf, const Wavelengths& w) const {
     return seen(radiance) / (w.pdf * sum(r_u + r_l * light_pdf));
   }
-  /// Measured light of that radiance, emitted towards the last vertex, over the hero's pdf alone.
+  /// Returns the measured light, over the hero's pdf alone, of a light that emits that radiance towards the
+  /// last vertex.
   Spectrum seen(const Spectrum& radiance) const { return L::measured(beta.of(L::emitted(radiance))); }
 
-  /// The estimate of a light path that is scattered with value `f` at its last vertex and counts with
-  /// `importance`.
+  /// Returns the estimate of a light path that is scattered with value `f` at its last vertex and connected
+  /// to the sensor with `importance`.
   Spectrum reached(const Weight& f, float importance, const Wavelengths& w) const {
     return L::measured(f.of(beta)) * importance / (w.pdf * sum(r_u));
   }
 
-  /// A measure of the path's importance that does not depend on which of the wavelengths is the hero.
+  /// Returns a measure of the path's importance that does not depend on which wavelength is the hero.
   float hero_symmetric_throughput() const { return max_component(L::magnitude(beta)) / mean(r_u); }
 
 private:

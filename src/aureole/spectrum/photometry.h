@@ -12,12 +12,12 @@ inline constexpr double kPhotopicEfficacy = 683.002, kScotopicEfficacy = 1700;
 /// Photon energy times wavelength, h c [J m], and Avogadro's number [1/mol], exact in the SI.
 inline constexpr double kPlanckTimesLight = 6.62607015e-34 * 299792458, kAvogadro = 6.02214076e23;
 
-/// The functions K(lambda) whose integral with a spectrum in W/nm is in lm [lm/W], on a grid: 683.002 V (CIE 1924, the
-/// y-bar of the CIE 1931 observer), and 1700 V' (CIE 1951).
+/// Returns the functions K(lambda) [lm/W] on a grid, whose product with a spectrum in W/nm has an integral in
+/// lm: 683.002 V (CIE 1924, the y-bar of the CIE 1931 observer), and 1700 V' (CIE 1951).
 SampledSpectrum photopic_efficacy(const SpectralGrid& grid);
 SampledSpectrum scotopic_efficacy(const SpectralGrid& grid);
 
-/// Micromoles of photons for each joule, lambda / (h c N_A) [umol/J], on a grid.
+/// Returns the micromoles of photons for each joule, lambda / (h c N_A) [umol/J], on a grid.
 SampledSpectrum photons_per_joule(const SpectralGrid& grid);
 
 /// Whether a grid holds at least 99.9 % of the integral of V, so that photometric quantities are complete.

@@ -11,8 +11,8 @@
 namespace aureole {
 namespace detail {
 
-/// Sellmeier: n^2 = 1 + a + sum_j b_j l^2 / (l^2 - c_j). Cauchy: n = a + b_0/l^2 + b_1/l^4. The wavelength l
-/// is in um, c_j in um^2.
+/// A dispersion formula. Sellmeier: n^2 = 1 + a + sum_j b_j l^2 / (l^2 - c_j). Cauchy: n = a + b_0/l^2 +
+/// b_1/l^4. The wavelength l is in um, c_j in um^2.
 struct DispersionFormula {
   std::string_view name;
   enum Kind { kSellmeier, kCauchy } kind;
@@ -20,7 +20,7 @@ struct DispersionFormula {
   struct Term {
     double b, c;
   };
-  std::array<Term, 7> terms;  // unused ones are zero
+  std::array<Term, 7> terms;  // terms of the formula; unused terms are zero
   std::string_view source;
 
   double n(double lambda_um) const;
@@ -44,7 +44,7 @@ using detail::DispersionFormula;
 using detail::MetalRecord;
 using detail::MetalRow;
 
-constexpr double kSodiumD = 589.3;  // nm, the mean of the doublet
+constexpr double kSodiumD = 589.3;  // wavelength of the sodium D line, the mean of the doublet [nm]
 
 constexpr std::string_view kPalik1 =
     "E. D. Palik (ed.), Handbook of Optical Constants of Solids, Academic Press 1985";
@@ -66,7 +66,7 @@ constexpr auto kSellmeier = DispersionFormula::kSellmeier;
 constexpr auto kCauchy = DispersionFormula::kCauchy;
 
 // clang-format off
-/// The ranges in nm are those that the sources state for the formulas.
+/// Dispersion formulas, with the ranges in nm that their sources state.
 constexpr DispersionFormula kFormulas[] = {
     {"water", kSellmeier, 182, 1129, 0,
      {{{5.684027565e-1, 5.101829712e-3}, {1.726177391e-1, 1.821153936e-2}, {2.086189578e-2, 2.620722293e-2},

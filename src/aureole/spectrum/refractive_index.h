@@ -21,7 +21,7 @@ struct MetalRecord;
 /// too small to see in a picture.)
 class RefractiveIndex {
 public:
-  /// An index that does not depend on the wavelength.
+  /// Makes an index that does not depend on the wavelength.
   explicit RefractiveIndex(std::complex<double> constant) : constant_(constant) {}
   explicit RefractiveIndex(const detail::DispersionFormula& formula) : formula_(&formula) {}
   explicit RefractiveIndex(const detail::MetalRecord& table) : table_(&table) {}
@@ -31,14 +31,15 @@ public:
   /// linearly in n and in k. Never throws.
   std::complex<double> at(double lambda_nm) const;
 
-  /// Whether the index depends on the wavelength (a constant one refracts all wavelengths alike).
+  /// Whether the index depends on the wavelength; a constant index refracts all wavelengths into one
+  /// direction.
   bool is_dispersive() const { return formula_ != nullptr || table_ != nullptr; }
 
   /// The range in nm over which the data are valid; [0, infinity] for a constant.
   double min_nm() const;
   double max_nm() const;
 
-  /// The publication or data set of the numbers.
+  /// Returns the publication or data set of the numbers.
   std::string_view source() const;
 
 private:
@@ -52,7 +53,7 @@ private:
 /// "polystyrene", "sf11", ...) and Mitsuba 3's conductors ("Au", "Cu_palik", ...; its "none", a perfect
 /// mirror, is not an index). With `dispersion`, a dispersion formula is used where there is one. Without it,
 /// a dielectric has a constant index: Mitsuba's value for Mitsuba's names, else the formula at 589.3 nm
-/// (sodium D). Metals are always tables. Mitsuba's "bk7" is 1.5046, while the glass has 1.5167.
+/// (sodium D). Metals are always tables. Mitsuba's "bk7" is 1.5046, while the actual glass has 1.5167.
 std::optional<RefractiveIndex> find_refractive_index(std::string_view name, bool dispersion = true);
 
 /// All names including aliases, each once, in a fixed order: constants, dispersion formulas, metals.

@@ -56,12 +56,12 @@ inline Spectrum sqrt(const Spectrum& a) {
   for (int i = 0; i < kWavelengths; ++i) r[i] = std::sqrt(a.v[i]);
   return r;
 }
-/// a / b where b > 0, zero elsewhere.
+/// Returns a / b where b > 0, zero elsewhere.
 inline Spectrum safe_divide(const Spectrum& a, const Spectrum& b) {
   const SpectrumMask positive = b.v > Spectrum(0.f).v;
   return select(positive, a / select(positive, b, 1.f), 0.f);
 }
-/// The Spectrum of values f(i), i in [0, N).
+/// Returns the Spectrum of values f(i), i in [0, N).
 template <class F>
 inline Spectrum make_spectrum(F&& f) {
   Spectrum r;
@@ -70,7 +70,7 @@ inline Spectrum make_spectrum(F&& f) {
 }
 
 namespace detail {
-/// Reduces the values pairwise: a chain of N dependent operations would take longer.
+/// Reduces the values pairwise, since a chain of N dependent operations would take longer.
 template <class F>
 inline float reduce(const Spectrum& a, F&& f) {
   float x[kWavelengths];

@@ -22,7 +22,8 @@ struct alignas(16) UpsampledColor {
 
   static UpsampledColor of_rgb(float r, float g, float b) {
     const float largest = std::max({r, g, b});
-    if (largest > 1 && largest <= 1 + float(kLimitNoise))  // by rounding: no other spectrum
+    // the excess is rounding, and no other spectrum is needed
+    if (largest > 1 && largest <= 1 + float(kLimitNoise))
       r = std::min(r, 1.f), g = std::min(g, 1.f), b = std::min(b, 1.f);
     else if (largest > 1)
       return of(upsample_unbounded(r, g, b));
@@ -41,15 +42,15 @@ struct alignas(16) UpsampledColor {
   }
   float offset() const { return scale < 0 ? 1.f : 0.f; }
   Spectrum eval(const Spectrum& nm) const { return shape(nm) * scale + offset(); }
-  /// SigmoidPolynomial::at for all wavelengths, which must lie in the model's range.
+  /// Returns the sigmoid, as SigmoidPolynomial::at, for all wavelengths, which must lie in the model's range.
   Spectrum shape(const Spectrum& nm) const {
     const Spectrum x = (nm * c0 + c1) * nm + c2;
     const Spectrum root = sqrt(Spectrum(1.f) + x * x);
     const Spectrum tail = Spectrum(0.5f) / (root * (root + abs(x)));
     return select(x.v < Spectrum(0.f).v, tail, Spectrum(1.f) - tail);
   }
-  /// Smallest and largest value over all wavelengths, or over an interval of the model's range. The sigmoid is
-  /// monotonic and its argument a parabola.
+  /// Returns the smallest and largest value over all wavelengths, or over an interval of the model's range.
+  /// The sigmoid is monotonic and its argument a parabola.
   std::pair<float, float> range(float from_nm = SigmoidPolynomial::kMinNm,
                                 float to_nm = SigmoidPolynomial::kMaxNm) const {
     const SigmoidPolynomial p{c0, c1, c2};
@@ -68,7 +69,7 @@ public:
       const auto [low, high] = color.range();
       return extend(low, high);
     }
-    // The sigmoid is monotonic: its arguments are compared, which are cheaper.
+    // The sigmoid is monotonic, so that its arguments, which are cheaper to compute, are compared.
     constexpr float kFrom = SigmoidPolynomial::kMinNm, kTo = SigmoidPolynomial::kMaxNm;
     const auto argument = [&](float nm) { return (color.c0 * nm + color.c1) * nm + color.c2; };
     const float a = argument(kFrom), b = argument(kTo);
@@ -86,7 +87,7 @@ public:
     lowest_argument_ = std::min(lowest_argument_, other.lowest_argument_);
     highest_argument_ = std::max(highest_argument_, other.highest_argument_);
   }
-  /// Smallest and largest value; infinite, the larger one first, if there are none.
+  /// Returns the smallest and largest value; infinite, the larger one first, if there are none.
   std::pair<float, float> values() const {
     if (!(lowest_argument_ <= highest_argument_)) return {low_, high_};
     const auto value = [](float argument) { return SigmoidPolynomial{0, 0, argument}.at(0); };
@@ -95,7 +96,8 @@ public:
 
 private:
   float low_ = std::numeric_limits<float>::infinity(), high_ = -low_;
-  float lowest_argument_ = low_, highest_argument_ = high_;  ///< of the sigmoids of colours of scale 1
+  /// range of the arguments of sigmoids, for colours of scale 1
+  float lowest_argument_ = low_, highest_argument_ = high_;
 };
 
 }  // namespace aureole

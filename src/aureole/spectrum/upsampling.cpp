@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-// Written by tools/make_upsampling_table.cpp while building, embedded by upsampling_table.S.
+// Table that tools/make_upsampling_table.cpp writes during the build, embedded by upsampling_table.S.
 extern "C" {
 extern const char aureole_upsampling_table[];
 extern const char aureole_upsampling_table_end[];
@@ -27,7 +27,8 @@ struct Table {
     std::uint32_t n = 0;
     std::memcpy(&n, aureole_upsampling_table + 4, sizeof n);
     resolution = static_cast<int>(n);
-    coefficients = reinterpret_cast<const float*>(aureole_upsampling_table + 8);  // the symbol is aligned
+    // the cast is valid, since the symbol is aligned
+    coefficients = reinterpret_cast<const float*>(aureole_upsampling_table + 8);
   }
 };
 
@@ -45,7 +46,7 @@ float unwarped(float v, float z) {
 /// Clamps v to [0, most]; NaN becomes 0.
 float clamped(float v, float most) { return v > 0.f ? std::min(v, most) : 0.f; }
 
-/// The sigmoid of a colour in [0, 1], not scaled.
+/// Returns the sigmoid of a colour in [0, 1], not scaled.
 SigmoidPolynomial look_up(const float (&rgb)[3]) {
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) {
     const float v = rgb[0], spread = v * (1.f - v);
@@ -90,9 +91,10 @@ SigmoidSpectrum upsample_srgb(float r, float g, float b) {
   if (r == g && g == b) return {look_up({r, g, b}), 1.f};
   const float scale = scale_below_white(r, g, b);
   if (scale < 1.f) return {look_up({(1.f - r) / scale, (1.f - g) / scale, (1.f - b) / scale}), -scale};
-  // Here a sigmoid S and one less the sigmoid of the opposite colour are the same spectrum, but for the errors of
-  // the table, which differ. Coefficients are blended, so that spectra do not jump where k becomes 1.
-  constexpr float kFrom = 0.3f, kTo = 0.5f;  // of 1 - min(r, g, b)
+  // In this range a sigmoid S, and 1 minus the sigmoid of the complementary colour, are equal except for the
+  // errors of the table, which differ. Coefficients are blended, so that spectra do not jump where k becomes
+  // 1.
+  constexpr float kFrom = 0.3f, kTo = 0.5f;  // range of 1 - min(r, g, b)
   SigmoidPolynomial p = look_up({r, g, b});
   const float weight = (1.f - std::min({r, g, b}) - kFrom) / (kTo - kFrom);
   if (weight < 1.f) {
@@ -105,7 +107,7 @@ SigmoidSpectrum upsample_srgb(float r, float g, float b) {
 }
 
 SigmoidSpectrum upsample_unbounded(float r, float g, float b) {
-  constexpr float kMaxValue = 1e37f;  // infinity would become NaN in the division
+  constexpr float kMaxValue = 1e37f;  // upper bound, since infinity would become NaN in the division
   r = clamped(r, kMaxValue), g = clamped(g, kMaxValue), b = clamped(b, kMaxValue);
   const float scale = 2.f * std::max({r, g, b});
   if (!(scale > 0.f)) return {};

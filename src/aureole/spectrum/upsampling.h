@@ -19,8 +19,8 @@ struct SigmoidPolynomial {
 
   float c0 = 0, c1 = 0, c2 = -kSaturated;
 
-  /// s at a wavelength in nm, branch-free. The tail is computed without cancellation, so that dark colours
-  /// keep their relative precision.
+  /// Returns s at a wavelength in nm, branch-free. The tail is computed without cancellation, so that dark
+  /// colours keep their relative precision.
   float at(float lambda_nm) const {
     const float l = std::min(std::max(lambda_nm, kMinNm), kMaxNm);
     const float x = (c0 * l + c1) * l + c2;
@@ -31,7 +31,7 @@ struct SigmoidPolynomial {
 };
 
 /// A scaled sigmoid polynomial S: the spectrum scale * S, or 1 - |scale| S where the scale is negative. The
-/// second form is for light colours: what they lack from white, 1 - (r, g, b), is small, and so is |scale|.
+/// second form is for light colours: their difference from white, 1 - (r, g, b), is small, and so is |scale|.
 struct SigmoidSpectrum {
   SigmoidPolynomial polynomial;
   float scale = 0;
@@ -40,7 +40,7 @@ struct SigmoidSpectrum {
   float at(float lambda_nm) const { return scale * polynomial.at(lambda_nm) + offset(); }
 };
 
-/// The scale k of what a reflectance lacks from white: its spectrum is 1 - k S, where S has the colour
+/// The scale k of a reflectance's difference from white: its spectrum is 1 - k S, where S has the colour
 /// (1 - (r, g, b)) / k. With m = 1 - min(r, g, b), k = 4m/3 + 0.6 (m / 0.3)^4 up to m = 0.3, and 1 from there
 /// on. So the spectrum lies in [1 - k, 1], and a colour that is nearly white has a spectrum that is nearly
 /// flat: there the largest component of the colour of S is 3/4, where sigmoids are smooth. Where k = 1, 1 - S

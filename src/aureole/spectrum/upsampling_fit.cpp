@@ -11,7 +11,7 @@ namespace {
 using Triple = std::array<double, 3>;
 using Mat3 = std::array<Triple, 3>;
 
-constexpr double kCentre = 595.0, kHalfWidth = 235.0;  // nm: 360-830
+constexpr double kCentre = 595.0, kHalfWidth = 235.0;  // centre and half-width [nm] of the range 360-830 nm
 constexpr std::size_t kSize = 471;
 
 /// Limit of |coefficient|: spectra change by less than 1e-8 beyond |x| of this order, and float evaluation
@@ -35,7 +35,8 @@ Triple solve(const Mat3& m, const Triple& v) {
   return {det(v, b, c) / d, det(a, v, c) / d, det(a, b, v) / d};
 }
 
-/// The observer times D65, per nm, and the matrices of sRGB, all relative to the white, whose X, Y, Z are 1.
+/// The observer times D65, per nm, and the matrices of sRGB. All are relative to the white, whose X, Y, Z are
+/// 1.
 struct Colorimetry {
   struct Node {
     double t;
@@ -55,7 +56,7 @@ struct Colorimetry {
                   {power * observer.x[i] / white[0], power * observer.y[i] / white[1],
                    power * observer.z[i] / white[2]}};
     }
-    // Columns are the primaries, scaled so that they sum to the white.
+    // The columns of the matrix are the primaries, scaled so that they sum to the white.
     const double chromaticity[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
     Mat3 primaries;
     for (int j = 0; j < 3; ++j) {
@@ -115,7 +116,7 @@ void integrate(const Triple& c, Triple& xyz, Mat3& jacobian) {
     const double r = 1.0 / std::sqrt(1.0 + x * x);
     s[i] = 0.5 + 0.5 * x * r, ds[i] = 0.5 * r * r * r;
   }
-  Two spectrum[3] = {}, further[3] = {};  // {xyz, jacobian 0} and {jacobian 1, 2}
+  Two spectrum[3] = {}, further[3] = {};  // accumulators {xyz, jacobian 0} and {jacobian 1, 2}
   for (std::size_t i = 0; i < kSize; ++i) {
     const Colorimetry::Node& node = colours.nodes[i];
     const double ds_t = ds[i] * node.t;
@@ -138,7 +139,7 @@ Rgb clamped(const Rgb& rgb, double most) {
   return c;
 }
 
-/// The constant argument x whose spectrum is the grey v.
+/// Returns the constant argument x whose spectrum is the grey v.
 double grey_argument(double v) {
   const double spread = v * (1.0 - v);
   if (!(spread > 0)) return v > 0.5 ? SigmoidPolynomial::kSaturated : -SigmoidPolynomial::kSaturated;
@@ -155,7 +156,7 @@ SigmoidPolynomial FitCoefficients::polynomial() const {
 
 double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
   constexpr int kMaxSteps = 60;
-  constexpr double kConverged = 1e-14;  // squared Delta E
+  constexpr double kConverged = 1e-14;  // squared Delta E below which a fit has converged
   const Triple target = Lab(multiply(colorimetry().from_srgb, linear_rgb)).lab;
 
   Triple& c = start.c;
@@ -176,7 +177,7 @@ double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
           {lab.slope[0] * dxyz[0][col], lab.slope[1] * dxyz[1][col], lab.slope[2] * dxyz[2][col]});
       for (int row = 0; row < 3; ++row) j[row][col] = f[row];
     }
-    // Normal equations with Levenberg-Marquardt damping of the diagonal.
+    // Normal equations of the step, with Levenberg-Marquardt damping of the diagonal.
     Mat3 normal;
     Triple gradient;
     for (int p = 0; p < 3; ++p) {
@@ -189,7 +190,7 @@ double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
     bool usable = true;
     for (int p = 0; p < 3; ++p) {
       next[p] = c[p] - move[p];
-      usable = usable && std::abs(next[p]) < kMaxCoefficient;  // false for NaN, too
+      usable = usable && std::abs(next[p]) < kMaxCoefficient;  // the comparison is also false for NaN
     }
     bool better = false;
     if (usable) {
@@ -217,7 +218,8 @@ double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
 SigmoidPolynomial fit_sigmoid(const Rgb& linear_rgb) {
   const Rgb rgb = clamped(linear_rgb, 1.0);
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return {0, 0, static_cast<float>(grey_argument(rgb[0]))};
-  // Continuation from the grey of equal mean towards the colour, with more steps if a fit has not converged.
+  // The fit continues from the grey of equal mean towards the colour, with more steps if a fit has not
+  // converged.
   const double mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
   FitCoefficients best;
   double best_error = 1e30;

@@ -23,17 +23,17 @@ struct FitCoefficients {
 /// CIELAB difference. Returns the remaining difference (CIE 1976 Delta E). The nearer the start, the faster.
 double refine_fit(const Rgb& linear_rgb, FitCoefficients& start);
 
-/// The sigmoid polynomial of a linear sRGB colour, clamped to [0, 1]: the model of Jakob and Hanika as it was
-/// published. Greys are exact constants. The spectrum's colour is within Delta E 2e-3 of the given one
-/// (rounding of the coefficients to float). Takes about 20 us.
+/// Returns the sigmoid polynomial of a linear sRGB colour, clamped to [0, 1]: the model of Jakob and Hanika
+/// as it was published. Greys are exact constants. The spectrum's colour is within Delta E 2e-3 of the given
+/// one (rounding of the coefficients to float). Takes about 20 us.
 SigmoidPolynomial fit_sigmoid(const Rgb& linear_rgb);
 
-/// The reflectance of a linear sRGB colour, clamped to [0, 1], as `upsample_srgb` but fitted: within Delta E
-/// 2e-3, in about 20 us. Colours near white have flat spectra (`scale_below_white`).
+/// Returns the reflectance of a linear sRGB colour, clamped to [0, 1], as `upsample_srgb` does, but by a fit:
+/// within Delta E 2e-3, in about 20 us. Colours near white have flat spectra (`scale_below_white`).
 SigmoidSpectrum fit_srgb(const Rgb& linear_rgb);
 
-/// The spectrum of an unbounded colour, as `upsample_unbounded` but fitted. Negative components and NaN count
-/// as 0; components are finite.
+/// Returns the spectrum of an unbounded colour, as `upsample_unbounded` does, but by a fit. Negative
+/// components and NaN count as 0; components are finite.
 SigmoidSpectrum fit_unbounded(const Rgb& linear_rgb);
 
 /// The linear sRGB colour of a reflectance under D65, by the trapezoidal rule at 1 nm. The matrix has the

@@ -11,5 +11,5 @@ aureole_upsampling_table:
     .global aureole_upsampling_table_end
     .hidden aureole_upsampling_table_end
 aureole_upsampling_table_end:
-    .zero 16  // nodes of three numbers are read four numbers at a time
+    .zero 16  // padding, since nodes of three numbers are read four numbers at a time
     .section .note.GNU-stack, "", %progbits

@@ -13,15 +13,15 @@ namespace aureole {
 /// infinite.
 inline constexpr double kLargestSpectrumValue = 1e37;
 
-/// Values that miss a limit by less than this part of the largest value are rounding noise of the program
-/// that wrote them.
+/// Rounding noise of programs that write scenes: the largest distance by which a value may miss a limit,
+/// relative to the largest value.
 inline constexpr double kLimitNoise = 1e-6;
 
 /// Moves values to the ends of an interval that they miss by rounding noise, and counts them. Other values
 /// stay as they are.
 class NoiseClamp {
 public:
-  /// `largest`: the largest value of the data, or 1.
+  /// Clamps to [lower, upper]. `largest` is the largest value of the data, or 1.
   NoiseClamp(double lower, double upper, double largest = 1)
       : lower_(lower), upper_(upper), tolerance_(std::max(kLimitNoise * largest, 1e-30)) {}
 

@@ -11,10 +11,10 @@ namespace aureole {
 
 namespace {
 
-/// The spectrum convolved with a Gaussian of standard deviation `nm`; beyond the range it keeps the value at
-/// the limit.
+/// Returns the spectrum convolved with a Gaussian of standard deviation `nm`; beyond the range it keeps the
+/// value at the limit.
 SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
-  // A wider kernel would take long and give a constant as well.
+  // The width is limited, since a wider kernel would take long and also give a constant.
   nm = std::min(nm, s.grid().max_nm - s.grid().min_nm);
   const int reach = int(std::ceil(3.5 * nm / s.grid().step()));
   std::vector<double> kernel(size_t(reach) + 1);
@@ -25,7 +25,8 @@ SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
     total += kernel[size_t(k)] * (k == 0 ? 1 : 2);
   }
   const int n = int(s.nodes().size());
-  std::vector<double> nodes(size_t(n + 2 * reach));  // begins `reach` nodes before the grid
+  // nodes of the spectrum, which begin `reach` nodes before the grid
+  std::vector<double> nodes(size_t(n + 2 * reach));
   for (int i = 0; i < n + 2 * reach; ++i)
     nodes[size_t(i)] = double(s.nodes()[size_t(std::clamp(i - reach, 0, n - 1))]);
   std::vector<double> sums(static_cast<size_t>(n));
@@ -50,7 +51,7 @@ SampledSpectrum normalized_mean(std::span<const SampledSpectrum> spectra, std::s
   return {spectra[0].grid(), std::move(nodes)};
 }
 
-/// The light reflected by strongly coloured surfaces: a red, a blue and a green one.
+/// Returns the light reflected by strongly coloured surfaces: a red, a blue and a green one.
 std::array<SampledSpectrum, 3> reflected(const SampledSpectrum& light) {
   const auto step = [](double x) { return 1 / (1 + std::exp(-x)); };
   const auto times = [&](auto&& reflectance) {
@@ -61,7 +62,8 @@ std::array<SampledSpectrum, 3> reflected(const SampledSpectrum& light) {
           times([&](double nm) { return std::exp(-0.5 * (nm - 530) * (nm - 530) / 900); })};
 }
 
-/// The light divided by `strength`, the integral of light times response; black where that is zero.
+/// Returns the light divided by `strength`, the integral of light times response; black where `strength` is
+/// zero.
 SampledSpectrum of_unit_strength(const SampledSpectrum& light, double strength) {
   std::vector<float> nodes(light.nodes().begin(), light.nodes().end());
   // Limits the values, which may be arbitrarily large at wavelengths where the film's response is nearly
@@ -86,7 +88,7 @@ public:
   }
 
   struct Moments {
-    double variance = 0, squared_mean = 0;  ///< summed over the channels
+    double variance = 0, squared_mean = 0;  ///< variance and squared mean, summed over the channels
   };
   Moments moments(const SampledSpectrum& light) {
     for (size_t k = 0; k < kCount; ++k) values_[k] = light.eval(wavelengths_[k]);
@@ -108,7 +110,7 @@ private:
   static constexpr int kCount = 256;
   std::vector<Wavelengths> wavelengths_;
   size_t channels_;
-  std::vector<Spectrum> factors_;  ///< per set, for all channels
+  std::vector<Spectrum> factors_;  ///< factors for each set of wavelengths, for all channels
   std::vector<Spectrum> values_;   ///< temporary storage: a light at the wavelengths of each set
 };
 
@@ -116,7 +118,8 @@ private:
 /// channels, only the sum of all lights is used.
 constexpr size_t kLights = 16, kChannels = 8;
 
-/// Distance of two lights of unit strength: 0 if they are equal, 2 if their spectra do not overlap.
+/// Returns the distance of two lights of unit strength: 0 if they are equal, 2 if their spectra do not
+/// overlap.
 double difference(const SampledSpectrum& a, const SampledSpectrum& b) {
   double sum = 0, whole = 0;
   for (size_t i = 0; i < a.nodes().size(); ++i) {
@@ -139,7 +142,7 @@ struct LightKind {
 void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& light,
                       const SampledSpectrum& response) {
   constexpr double kAlike = 1e-3, kNothingInCommon = 2;
-  constexpr size_t kMaxCompared = 8;  // per kind
+  constexpr size_t kMaxCompared = 8;  // upper bound of the compared lights per kind
   const SampledSpectrum seen = product(response, light);
   LightKind* nearest = nullptr;
   double least = kNothingInCommon;

@@ -10,10 +10,10 @@
 namespace aureole {
 
 /// Returns the density for which the channels of a picture vary least from one set of N wavelengths to the
-/// next. The wavelengths of a set are equidistant in the CDF. So a set integrates a spectrum the better, the
-/// smoother the quotient of the spectrum by the density is. The product of response and light, which is the
-/// best density for single wavelengths, is too sharp for N > 1, unless the light consists of lines. So
-/// mixtures of this product and smoother densities are tried on the lights themselves and on their
+/// next. The wavelengths of a set are equidistant in the CDF. A set therefore integrates a spectrum more
+/// accurately if the quotient of the spectrum by the density is smoother. The product of response and light,
+/// which is the best density for single wavelengths, is too sharp for N > 1, unless the light consists of
+/// lines. So mixtures of this product and smoother densities are tried on the lights themselves and on their
 /// reflections from coloured surfaces.
 ///
 /// `response`: magnitude of the film's response; `channels`: the (signed) responses of the picture's
@@ -22,8 +22,8 @@ WavelengthDistribution choose_wavelengths(const SampledSpectrum& response,
                                           std::span<const SampledSpectrum> channels,
                                           std::span<const SampledSpectrum> lights);
 
-/// Variance of the channels between the sets of N wavelengths for this light, divided by their squared means
-/// (both summed over the channels).
+/// Returns the variance of the channels between the sets of N wavelengths for this light, divided by their
+/// squared means (both summed over the channels).
 double variance_between_sets(const WavelengthDistribution& distribution,
                              std::span<const SampledSpectrum> channels, const SampledSpectrum& light);
 

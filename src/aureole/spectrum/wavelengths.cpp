@@ -11,7 +11,8 @@ namespace aureole {
 SpectralGrid SpectralGrid::over(double min_nm, double max_nm) {
   if (!(min_nm > 0) || !(max_nm > min_nm) || !std::isfinite(max_nm))
     throw Error("a wavelength range must be 0 < min < max");
-  // Wide ranges get wider cells; narrow ranges (a laser line) still get enough cells to resolve a shape.
+  // Number of cells: wide ranges get wider cells; narrow ranges (a laser line) still get enough cells to
+  // resolve a shape.
   const double width = max_nm - min_nm;
   return {min_nm, max_nm, int(std::clamp(std::ceil(width), 64.0, 2000.0))};
 }
@@ -50,11 +51,12 @@ SampledSpectrum SampledSpectrum::from_points(const SpectralGrid& grid, std::span
     if (nm.back() < grid.max_nm) more_nm.push_back(grid.max_nm), more_values.push_back(values.back());
     return from_points(grid, more_nm, more_values);
   }
-  std::vector<double> moments(grid.cells + 1, 0.0);  // integral(s hat_i) in units of a cell
+  // integral of s hat_i for each node i, with the hat function of the node, in units of a cell
+  std::vector<double> moments(grid.cells + 1, 0.0);
   const double h = grid.step();
   for (size_t k = 0; k + 1 < nm.size(); ++k) {
-    // Clips the interval to the grid, then integrates it cell by cell. Both s and the hat are linear there,
-    // so that Simpson's rule is exact.
+    // The interval is clipped to the grid and integrated cell by cell. Both s and the hat function are linear
+    // there, so that Simpson's rule is exact.
     const double a = std::max(nm[k], grid.min_nm), b = std::min(nm[k + 1], grid.max_nm);
     if (!(b > a)) continue;
     const double slope = (values[k + 1] - values[k]) / (nm[k + 1] - nm[k]);

@@ -24,10 +24,10 @@ namespace aureole {
 /// search.
 struct SpectralGrid {
   double min_nm = 360, max_nm = 830;
-  int cells = 470;  ///< nodes - 1
+  int cells = 470;  ///< number of cells, one less than the nodes
 
-  /// The grid over [min_nm, max_nm]: cells of 1 nm where 64 to 2000 of them suffice, else 64 narrower or 2000
-  /// wider cells.
+  /// Returns the grid over [min_nm, max_nm]: cells of 1 nm where 64 to 2000 of them suffice, else 64 narrower
+  /// or 2000 wider cells.
   static SpectralGrid over(double min_nm, double max_nm);
   double step() const { return (max_nm - min_nm) / cells; }
   double node(int i) const { return min_nm + step() * i; }
@@ -59,8 +59,8 @@ struct Wavelengths {
 
 /// The value of a spectrum at wavelengths outside its points.
 enum class SpectrumEnds {
-  zero,  ///< zero: emission and responses, whose points say where there is light or a signal at all
-  held   ///< the value at the nearer end: properties of matter, which exist at every wavelength
+  zero,  ///< zero, for emission and responses, whose points state where there is light or a signal at all
+  held   ///< the value at the nearer end, for properties of matter, which exist at every wavelength
 };
 
 /// A spectrum tabulated on a grid's nodes, piecewise linear between them.
@@ -71,11 +71,11 @@ public:
 
   static SampledSpectrum constant(const SpectralGrid& grid, float value);
 
-  /// Tabulates the piecewise linear function through (nm, value), continued as `ends` says outside
-  /// [nm.front(), nm.back()]. Its integral over the grid's range is kept, so that a line narrower than a cell keeps its power. Node values
-  /// are hat-weighted means, integral(s hat_i) / integral(hat_i). They leave linear functions unchanged,
-  /// except at the first and last node: their hats are one-sided, so that they return the value a third of a
-  /// cell inside.
+  /// Tabulates the piecewise linear function through (nm, value), continued according to `ends` outside
+  /// [nm.front(), nm.back()]. Its integral over the grid's range is kept, so that a line narrower than a cell
+  /// keeps its power. Node values are hat-weighted means, integral(s hat_i) / integral(hat_i). They leave
+  /// linear functions unchanged, except at the first and last node: their hats are one-sided, so that they
+  /// return the value a third of a cell inside.
   static SampledSpectrum from_points(const SpectralGrid& grid, std::span<const double> nm,
                                      std::span<const double> values, SpectrumEnds ends = SpectrumEnds::zero);
 
@@ -85,7 +85,7 @@ public:
   Spectrum eval(const Wavelengths& w) const {
 #ifdef __AVX2__
     if constexpr (kWavelengths == 8) {
-      // Loads both nodes of a cell at once, which is cheaper than gathering each.
+      // Both nodes of a cell are loaded at once, which costs less than gathering each.
       const float* const table = table_.data();
       const auto nodes_of = [&](int i) {
         long long two;
@@ -107,7 +107,7 @@ public:
     });
   }
 
-  double integral() const;  ///< over the grid's range, [value * nm]
+  double integral() const;  ///< integral over the grid's range [value * nm]
   float maximum() const;
   float minimum() const;
   double average() const { return integral() / (grid_.max_nm - grid_.min_nm); }
@@ -120,10 +120,10 @@ private:
   std::vector<float> table_;
 };
 
-/// The product node by node; both spectra are on one grid.
+/// Returns the product node by node; both spectra are on one grid.
 SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b);
-/// Sum over the nodes of the product of both spectra, times the step [nm], in double precision so that strong
-/// lights do not overflow: the response of a film to a light.
+/// Returns the sum over the nodes of the product of both spectra, times the step [nm], in double precision so
+/// that strong lights do not overflow: the response of a film to a light.
 double overlap(const SampledSpectrum& a, const SampledSpectrum& b);
 
 /// p_lambda: a piecewise constant pdf over the grid's range, given by a table of its inverse CDF, which is
@@ -151,9 +151,9 @@ public:
 private:
   static constexpr int kPieces = 2048;
   SpectralGrid grid_;
-  std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths [nm]
-  /// Density of each of the kPieces intervals. It is not computed from the wavelengths, whose rounding may
-  /// make a narrow interval empty.
+  std::vector<float> inverse_cdf_;  ///< inverse CDF: kPieces + 1 wavelengths [nm]
+  /// Density of each of the kPieces intervals. It is stored, since the rounding of the wavelengths may make a
+  /// narrow interval empty.
   std::vector<float> density_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `Weight`, the linear map from light that enters a part of a path to light that leaves it, and
 // `Unpolarised`, the pair of types for light and maps of light that transport is compiled for. Weights are
-// composed in path_density.h and in connections alone, in the order in which light passes, so that types
+// composed in path_density.h and in connections alone, in the order in which light passes them, so that types
 // whose products do not commute (Stokes vectors and Mueller matrices) can take their place.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace aureole {
 
-/// A factor per wavelength.
+/// A factor per wavelength, the weight of unpolarised light.
 class Weight {
 public:
   Weight() : factor_(1.f) {}
@@ -18,7 +18,7 @@ public:
 
   /// Light after this weight.
   Spectrum of(const Spectrum& light) const { return factor_ * light; }
-  /// The weight of passing `first` and then this.
+  /// Returns the weight of light that passes `first` and then this weight.
   Weight after(const Weight& first) const { return Weight(factor_ * first.factor_); }
   Weight scaled(const Spectrum& s) const { return Weight(factor_ * s); }
   /// Absolute value of the factor, per wavelength.
@@ -29,8 +29,8 @@ private:
   Spectrum factor_;
 };
 
-/// Light without polarisation: a spectrum, and a factor per wavelength for what happens to it. Another such
-/// struct has the same members.
+/// Light without polarisation: a spectrum as the light, and a factor per wavelength as the map of light. A
+/// struct for another kind of light has equal members.
 struct Unpolarised {
   using Light = Spectrum;
   using Weight = aureole::Weight;
@@ -40,14 +40,14 @@ struct Unpolarised {
   static Weight lift(const Spectrum& f, const Vec3& /*p*/, const Vec3& /*in*/, const Vec3& /*out*/) {
     return Weight(f);
   }
-  /// Light that emitters and media emit with this radiance.
+  /// Returns the light of emitters and media that emit this radiance.
   static Light emitted(const Spectrum& radiance) { return radiance; }
-  /// The spectrum that the film measures of light.
+  /// Returns the spectrum of a light that the film measures.
   static Spectrum measured(const Light& light) { return light; }
 
   static Light scaled(const Light& light, const Spectrum& s) { return light * s; }
   static Weight scaled(const Weight& weight, const Spectrum& s) { return weight.scaled(s); }
-  /// Size of light or a map per wavelength, for Russian roulette and other choices.
+  /// Returns the size of light or of a map per wavelength, for Russian roulette and other choices.
   static Spectrum magnitude(const Light& light) { return abs(light); }
   static Spectrum magnitude(const Weight& weight) { return weight.magnitude(); }
   static bool is_black(const Light& light) { return aureole::is_black(light); }

@@ -87,7 +87,7 @@ public:
     return lookup(point, [&](std::size_t i) { return number(i); });
   }
   Vec2 gradient(const SurfacePoint& point) const override {
-    if (nearest_) return {};  // zero almost everywhere
+    if (nearest_) return {};  // the derivative is zero almost everywhere
     const Vec2 uv = to_uv_(point.uv);
     const Axis x = axis(uv.x, width_), y = axis(uv.y, height_);
     const std::size_t row0 = std::size_t(y.i0) * width_, row1 = std::size_t(y.i1) * width_;
@@ -106,7 +106,7 @@ public:
   SampledSpectrum average(const Shape*) const override {
     const std::size_t count = std::size_t(width_) * height_, used = std::min(count, kMeanTexels);
     const auto texel = [&](std::size_t i) {
-      // Multiples of the golden ratio are distributed evenly for any picture width.
+      // Coordinates that are multiples of the golden ratio are distributed evenly for any picture width.
       const double x = double(i) * 0.6180339887498949;
       return used == count ? i : std::min(std::size_t((x - std::floor(x)) * double(count)), count - 1);
     };
@@ -143,7 +143,8 @@ private:
     float t, slope;
   };
   Axis axis(float u, int size) const {
-    // Wrapped before scaling, so that coordinates of any size, NaN included, stay inside the picture.
+    // The coordinate is wrapped before scaling, so that coordinates of any size, NaN included, stay inside
+    // the picture.
     float slope = float(size);
     if (wrap_ == Wrap::repeat)
       u -= std::floor(u);
@@ -184,7 +185,7 @@ private:
     return rule(colors_[i]);
   }
 
-  /// Throws the error of the first pixel that is negative, if there is one.
+  /// Throws an Error about the first pixel that is negative, if there is one.
   static void refuse_negative(const Properties& properties, const std::string& source, const Image& image,
                               const std::vector<int>& channels) {
     for (int py = 0; py < image.height; ++py)
@@ -235,7 +236,8 @@ private:
     };
     bool grey = !color;
     if (color && !raw) {
-      // Masks are often stored as colour images; grey texels need no spectrum.
+      // Grey texels are stored as numbers, since they need no spectrum; masks are often stored as colour
+      // images.
       grey = true;
       for (std::size_t i = 0; grey && i < count; ++i) {
         const int px = int(i % std::size_t(width_)), py = int(i / std::size_t(width_));
@@ -271,7 +273,7 @@ private:
   bool nearest_ = false;
   Wrap wrap_ = Wrap::repeat;
   int width_ = 0, height_ = 0;
-  // Exactly one of the three is not empty.
+  // Texels; exactly one of the three lists is not empty.
   UnfilledVector<UpsampledColor> colors_;
   UnfilledVector<float> greys_;
   UnfilledVector<Vec3> rgbs_;

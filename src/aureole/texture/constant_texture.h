@@ -29,12 +29,12 @@ private:
   float value_ = 0, scalar_ = 0;
 };
 
-/// Points of a spectrum: as many values as wavelengths, which increase, and at least two.
+/// Points of a spectrum: increasing wavelengths, at least two, and as many values.
 struct SpectrumPoints {
   std::vector<double> nm, values;
 };
 
-/// A spectrum given by points. It is zero outside them until its role says otherwise (`ends_of`).
+/// A spectrum given by points. It is zero outside its points unless its role continues it (`ends_of`).
 class PointSpectrum : public ConstantTexture {
 public:
   PointSpectrum(const Properties& properties, SpectrumPoints points, SpectrumEnds ends = SpectrumEnds::zero);
@@ -49,8 +49,8 @@ private:
   SpectrumEnds ends_;
 };
 
-/// Throws Error if wavelengths without a unit, taken for nm, all lie outside those of the film, but would not
-/// in um, angstrom or m.
+/// Throws Error if wavelengths without a unit, which are read as nm, all lie outside the film's range, but
+/// would lie within it in um, angstrom or m.
 void check_unit(const Properties& properties, std::string_view name, double first_nm, double last_nm);
 
 /// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the
@@ -58,10 +58,10 @@ void check_unit(const Properties& properties, std::string_view name, double firs
 /// component of 1/2 for the upsampling, and its spectrum is scaled back, as in Mitsuba.
 SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], bool emission);
 
-/// The colour given as `<rgb>` under `name`; without `unbounded`, components above one are errors.
+/// Returns the colour given as `<rgb>` under `name`; without `unbounded`, components above one are errors.
 SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded);
 
-/// The numbers in a string such as "0.1, 0.2 0.3" under `name`: at least two, none negative.
+/// Returns the numbers in a string such as "0.1, 0.2 0.3" under `name`: at least two, none negative.
 std::vector<double> get_numbers(const Properties& properties, std::string_view name);
 
 }  // namespace aureole

@@ -15,14 +15,14 @@ SpectrumPoints read_irregular(const Properties& properties) {
   if (nm.size() != values.size())
     throw properties.error("values", "there are " + std::to_string(nm.size()) + " wavelengths but " +
                                          std::to_string(values.size()) + " values");
-  if (nm.front() > nm.back()) {  // for example, increasing frequencies
+  if (nm.front() > nm.back()) {  // wavelengths decrease, for example where frequencies increase
     std::reverse(nm.begin(), nm.end());
     std::reverse(values.begin(), values.end());
   }
   for (std::size_t i = 1; i < nm.size(); ++i)
     if (!(nm[i] > nm[i - 1])) throw properties.error("wavelengths", "must increase or decrease");
   const auto* text = std::get_if<std::string>(&properties.find("wavelengths")->value);
-  if (!text || text->find_first_of("mHo") == text->npos)  // no unit
+  if (!text || text->find_first_of("mHo") == text->npos)  // the numbers have no unit
     check_unit(properties, "wavelengths", nm.front(), nm.back());
   return {std::move(nm), std::move(values)};
 }

@@ -33,7 +33,7 @@ public:
     mean.scale(scale_);
     return mean;
   }
-  // The range of a reflectance, because the mesh and the range of its attribute are not known yet.
+  // Returns the bound of a reflectance, because the mesh and the range of its attribute are not known yet.
   float maximum() const override { return std::min(scale_, 1.f); }
   float minimum() const override { return 0; }
 

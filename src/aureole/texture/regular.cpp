@@ -12,7 +12,8 @@ SpectrumPoints read_regular(const Properties& properties) {
   const double min = get_wavelength(properties, "wavelength_min");
   const double max = get_wavelength(properties, "wavelength_max");
   if (!(max > min)) throw properties.error("wavelength_max", "must be greater than wavelength_min");
-  if (!std::holds_alternative<std::string>(properties.find("wavelength_min")->value))  // no unit
+  // the numbers have no unit
+  if (!std::holds_alternative<std::string>(properties.find("wavelength_min")->value))
     check_unit(properties, "wavelength_min", min, max);
   std::vector<double> nm(values.size());
   for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = min + (max - min) * double(i) / double(nm.size() - 1);

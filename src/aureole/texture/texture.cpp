@@ -32,7 +32,7 @@ void check_number(const Properties& properties, std::string_view name, double v,
     throw properties.error(name, "a reflectance or transmittance lies in [0, 1], got " + shown_number(v));
 }
 
-/// Moves values to the limits of their role that they miss by rounding, with a note, and checks them.
+/// Clamps values that miss the limits of their role by rounding, with a note, and checks all values.
 void check_numbers(const Properties& properties, std::string_view name, std::span<double> values,
                    SpectrumRole role) {
   const bool bounded = role == SpectrumRole::reflectance;
@@ -107,7 +107,7 @@ void check_range(const Properties& properties, std::string_view name, const Text
                                shown_number(texture.maximum()));
 }
 
-/// A texture times a factor.
+/// A texture multiplied by a factor.
 class ScaledTexture final : public Texture {
 public:
   ScaledTexture(TexturePtr texture, float factor)
@@ -206,7 +206,7 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
   // A reflectance must not be scaled to a largest component of 1/2: another spectrum of the same colour (a
   // metamer) would look different under coloured light.
-  // Nor must one that exceeds 1 by rounding, whose role may allow any value.
+  // A colour that exceeds 1 by rounding must not be scaled either, even if its role allows any value.
   const bool fits = !emission && largest <= 1 + kLimitNoise;
   const auto part = [&](double c) { return fits ? std::min(c, 1.0) : c; };
   const Rgb color{part(rgb[0]), part(rgb[1]), part(rgb[2])};
@@ -262,7 +262,8 @@ TexturePtr read_texture(const Properties& properties, std::string_view name, Spe
 
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role) {
   TexturePtr texture = read_texture(properties, name, role);
-  // The role of a texture's own spectra is that of the texture, which its user knows; that one notes.
+  // A texture's own spectra have the role of the texture. Only the user of the texture knows that role, so
+  // that the user notes missing data.
   const std::string family = properties.plugin() ? properties.plugin()->family : "";
   if (texture && ends_of(role) == SpectrumEnds::held && family != "texture" && family != "volume")
     texture->note_ends(properties, name);

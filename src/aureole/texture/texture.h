@@ -14,18 +14,18 @@ namespace aureole {
 class AttributeName;
 class MeshAttribute;
 
-/// The quantity that a parameter denotes. It decides what numbers and rgb colours mean, as in Mitsuba's
-/// spectral mode, and whether a spectrum continues beyond its points (`ends_of`).
+/// The quantity that a parameter denotes. The quantity decides how numbers and rgb colours are interpreted,
+/// as in Mitsuba's spectral mode, and whether a spectrum continues beyond its points (`ends_of`).
 enum class SpectrumRole {
-  reflectance,  ///< of matter, in [0, 1]
+  reflectance,  ///< reflectance or transmittance of matter, in [0, 1]
   unbounded,    ///< a property of matter, 0 or more: index of refraction, coefficient, absorbance, roughness
-  emission,     ///< of a light; multiplies CIE D65, normalised so that rgb = 1 has luminance 1
-  response      ///< of a sensor, or a filter before a light; 0 or more
+  emission,     ///< emission of a light; multiplies CIE D65, normalised so that rgb = 1 has luminance 1
+  response      ///< response of a sensor, or a filter before a light; 0 or more
 };
 
-/// Returns how a spectrum of this role continues beyond its points. Matter has its properties at every
-/// wavelength, and zero would make it clear, black or a vacuum there; so the value at the end is kept, and a
-/// note says so. Lights and sensors are dark and blind outside their points.
+/// Returns how a spectrum of this role continues beyond its points. A property of matter exists at every
+/// wavelength, and zero would make the matter clear, black or a vacuum there, so that the value at the end is
+/// kept, with a note. Emission and responses are zero outside their points.
 constexpr SpectrumEnds ends_of(SpectrumRole role) {
   return role == SpectrumRole::emission || role == SpectrumRole::response ? SpectrumEnds::zero
                                                                           : SpectrumEnds::held;
@@ -36,19 +36,20 @@ public:
   static constexpr const char* kFamily = "a texture or spectrum";
   using Object::Object;
 
-  /// Value at the path's wavelengths.
+  /// Returns the value at the path's wavelengths.
   virtual Spectrum eval(const SurfacePoint& point, const Wavelengths& wavelengths) const = 0;
-  /// The value as one number, for quantities that do not depend on wavelength (opacities, weights, heights):
-  /// the luminance of a colour if the texture stores it, else the mean over the sensor's range.
+  /// Returns the value as one number, for quantities that do not depend on wavelength (opacities, weights,
+  /// heights): the luminance of a colour if the texture stores it, else the mean over the sensor's range.
   virtual float eval_scalar(const SurfacePoint& point) const;
-  /// The gradient of eval_scalar by (u, v), for textures that have one.
+  /// Returns the gradient of eval_scalar by (u, v), for textures that have one.
   virtual Vec2 gradient(const SurfacePoint& point) const;
   virtual bool has_gradient() const { return is_constant(); }
-  /// The three numbers of a picture that does not contain colours (normal maps), for textures that have them.
+  /// Returns the three numbers of a picture that does not contain colours (normal maps), for textures that
+  /// have them.
   virtual Vec3 eval_rgb(const SurfacePoint& point) const;
   virtual bool has_rgb() const { return false; }
-  /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid. For a mesh attribute, it
-  /// is only known if the shape is given.
+  /// Returns the mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid. For a mesh
+  /// attribute, it is only known if the shape is given.
   virtual SampledSpectrum average(const Shape* shape = nullptr) const = 0;
   /// Whether the value does not depend on the point.
   virtual bool is_constant() const { return false; }
@@ -56,12 +57,13 @@ public:
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
-  /// Notes, at the parameter `name` of `user`, at which wavelengths of the film the spectra of the texture
-  /// have no data, so that the value at the end is used. Called for properties of matter (`ends_of`).
+  /// Notes the wavelengths of the film at which the spectra of the texture have no data, so that the value at
+  /// the end is used. The note is located at the parameter `name` of `user`. Called for properties of matter
+  /// (`ends_of`).
   virtual void note_ends(const Properties& /*user*/, std::string_view /*name*/) const {}
   /// The texture with its numbers, colours and spectra interpreted in that role; null if the role makes no difference.
   virtual std::shared_ptr<const Texture> in_role(SpectrumRole) const { return nullptr; }
-  /// Columns and rows of a picture, for emitters that project the texture.
+  /// Returns columns and rows of a picture, for emitters that project the texture.
   virtual std::pair<int, int> resolution() const { return {1, 1}; }
 };
 using TexturePtr = std::shared_ptr<const Texture>;
@@ -83,8 +85,8 @@ TexturePtr get_texture(const Properties& properties, std::string_view name, doub
 /// Returns the texture given under `name`, or null if absent.
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
 
-/// The spectrum given under `name`, tabulated on the scene's grid; nothing where absent. A texture that varies
-/// over a surface is an error located at the parameter.
+/// Returns the spectrum given under `name`, tabulated on the scene's grid; nothing where absent. A texture
+/// that varies over a surface is an error located at the parameter.
 std::optional<SampledSpectrum> get_optional_spectrum(const Properties& properties, std::string_view name,
                                                      SpectrumRole role);
 

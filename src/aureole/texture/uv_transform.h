@@ -18,7 +18,7 @@ public:
   Vec2 operator()(Vec2 uv) const {
     return {du_.x * uv.x + dv_.x * uv.y + offset_.x, du_.y * uv.x + dv_.y * uv.y + offset_.y};
   }
-  /// Gradient by uv of a function whose gradient by the transformed coordinates is `g`.
+  /// Returns the gradient by uv of a function whose gradient by the transformed coordinates is `g`.
   Vec2 gradient(Vec2 g) const { return {dot(du_, g), dot(dv_, g)}; }
 
 private:

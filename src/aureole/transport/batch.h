@@ -14,13 +14,13 @@ namespace aureole {
 /// Upper bound of the number of paths of a batch.
 inline constexpr int kBatch = RayPacket::kSize;
 
-/// Room for one T per path of a batch. Records are made in place when they are needed, since they are large:
-/// clearing or copying them costs measurable time.
+/// Storage for one T per path of a batch. Records are made in place when they are needed, since they are
+/// large: clearing or copying them costs measurable time.
 template <class T>
 class PerPath {
 public:
   static_assert(std::is_trivially_destructible_v<T>);
-  /// Makes the record of a path in place by `make`.
+  /// Constructs the record of a path in place from the result of `make`.
   template <class Make>
   T& make(int path, Make&& make) {
     return *new (room_[size_t(path)].bytes) T(make());
@@ -53,12 +53,13 @@ public:
   }
   bool empty() const { return paths_.count == 0; }
 
-  /// Traces all rays and calls `use(path, hit)` for each in order, which may add rays for the next time.
+  /// Traces all rays and calls `use(path, hit)` for each in order. `use` may add rays, which the next call
+  /// traces.
   template <class Use>
   void intersect(const RayTracer& tracer, RayTracer::Rays kind, Use&& use) {
     tracer.intersect(rays_, paths_.count, kind, hits_);
     const int n = std::exchange(paths_.count, 0);
-    // At most as many have been added as used, so that only entries already read are overwritten.
+    // `use` adds at most one ray for each hit, so that it overwrites only entries that have been read.
     for (int i = 0; i < n; ++i) use(paths_.path[i], hits_[i]);
   }
   /// Tests all rays as segments and calls `use(path, open)` for each in order.

@@ -5,7 +5,7 @@ namespace aureole {
 
 namespace {
 
-/// Transmittance of a surface for light that passes straight along `d`, in either direction.
+/// Transmittance of a surface for light that crosses it along `d` without deflection, in either direction.
 Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wavelengths& w) {
   if (!point.surface->passable) return 0.f;
   return point.surface->bsdf->null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
@@ -20,7 +20,8 @@ bool is_lost(const Scene& scene, TestSegment& c) {
 }
 
 void travel(TestSegment& c, float t, const Wavelengths& w, SegmentEmission* emission) {
-  // The ray's distances have a unit of their own, and end off the surfaces that bound the medium.
+  // `t` is in units of the ray's direction; the distance in the medium is counted from surface to surface,
+  // which the ray's endpoints are offset from.
   const float distance = t * length(c.ray.d) + c.offset + (t >= c.ray.t_max ? c.end_offset : 0.f);
   c.key = c.key * 0x9e3779b9u + 1;  // each medium on the segment has random numbers of its own
   const Transmittance s =
@@ -47,8 +48,9 @@ Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
     return Event::crossed;
   }
   c.ray.d = c.target - c.ray.o;
-  // The march ends beyond a surface that the target lies on: going back would hit that surface again and
-  // again. So would a segment within the plane of a surface, whose ends are moved to different sides of it.
+  // The march ends beyond a surface that the target lies on, since a ray back would hit that surface again
+  // and again. It also ends on a segment within the plane of a surface, whose endpoints are offset to
+  // different sides of the plane.
   const bool turned = dot(c.ray.d, point.ng) * dot(c.d, point.ng) < 0;
   return dot(c.ray.d, c.d) > 0 && !turned ? Event::crossed : Event::escape;
 }

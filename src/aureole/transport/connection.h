@@ -26,27 +26,29 @@ enum class Event : std::uint8_t {
 struct TestSegment : Segment {
   Vec3 d;            ///< unit direction
   Vec3 target;       ///< the far end, if there is one, off the surface that it lies on
-  float end_offset;  ///< distance from `target` to that surface
+  float end_offset;  ///< distance from `target` to the surface that it lies on
   bool infinite;
   bool through_emitters;  ///< surfaces of lights do not occlude it
-  bool
-      goes_behind;  ///< the march goes on behind what blocks it, to find `clear_passage`; `passage` is 0 then
+  /// the march continues behind the occluder, to find `clear_passage`; `passage` is 0 then
+  bool goes_behind;
   int crossings_left = kUnlimitedCrossings;  ///< crossings of surfaces that count for the limit of segments
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;
-  Spectrum
-      clear_passage;  ///< `passage` without surfaces that pass less than `kOpaque` of the light, and without media
+  /// `passage` without media and without the surfaces that transmit less than `kOpaque`
+  Spectrum clear_passage;
   static constexpr float kOpaque = 0.01f;
 
   // In scenes with media (transport/medium_segment.h):
-  std::uint32_t key;  ///< for random numbers
-  /// Pdfs, relative to the hero's pdf of the path, of this connection and of the other techniques that find
-  /// it, the latter as if the medium were clear.
+  std::uint32_t key;  ///< key of the random numbers along the segment
+  /// Pdf of this connection and pdf of the other techniques that find it, both relative to the hero's pdf of
+  /// the path. The pdf of the others is that in a clear medium.
   Spectrum own, other;
   Spectrum transmitted;         ///< transmittance of the media so far
   Spectrum transmitted_before;  ///< `transmitted` before the present medium
-  const Medium* source;  ///< the medium whose emission it brings, which must be at its end; null: a surface
-  bool others_pass;      ///< other techniques pass media with certainty, as if these were clear
+  /// the medium at the far end whose emission the connection carries; null: the connection carries emission
+  /// of a surface
+  const Medium* source;
+  bool others_pass;  ///< the other techniques pass media with probability 1, as if the media were clear
 
   /// Sets a segment from a point along `direction` to another, off the surfaces that they lie on.
   void set(const RayOrigin& from, const Vec3& direction, const RayOrigin& to);
@@ -54,7 +56,7 @@ struct TestSegment : Segment {
   void set(const RayOrigin& from, const Vec3& direction);
   /// Sets an infinite segment along a ray.
   void set(const Ray& ray);
-  /// Sets the medium and the interiors where it begins, in scenes with media.
+  /// Sets the medium and the interior list at the origin of the segment, in scenes with media.
   void begin_in(const RayState& start, std::uint32_t random_key) {
     medium = start.medium, interiors = start.interiors, contact = nullptr;
     key = random_key, transmitted = transmitted_before = 1.f;
@@ -62,8 +64,8 @@ struct TestSegment : Segment {
     others_pass = false;
   }
   /// Sets the MIS weight by the pdfs `own_pdf` of this connection and `other_pdf` of all other techniques,
-  /// relative to the hero's pdf of the path (balance heuristic over techniques and wavelengths). With media
-  /// `finish` does, since pdfs depend on what lies between.
+  /// relative to the hero's pdf of the path (balance heuristic over techniques and wavelengths). In scenes
+  /// with media `finish` sets it, since the pdfs depend on the media along the segment.
   void weigh(bool has_media, const Spectrum& own_pdf, const Spectrum& other_pdf, const Wavelengths& w) {
     own = own_pdf, other = other_pdf;
     if (has_media)
@@ -72,17 +74,17 @@ struct TestSegment : Segment {
       passage = Spectrum(1.f) / (w.pdf * sum(own_pdf + other_pdf));
     clear_passage = passage;
   }
-  /// Completes `passage` where the connection is not occluded, in scenes with media.
+  /// Completes `passage` of a connection that is not occluded, in scenes with media.
   void finish() {
     if (source && medium != source) {
       passage = 0.f;
       return;
     }
-    // A walk finds the emission of a uniform medium wherever it is scattered there.
+    // A random walk finds the emission of a uniform medium at each of its scattering events there.
     const Spectrum& walked = source && !source->majorants() ? transmitted_before : transmitted;
     passage *= transmitted * (1 / sum(own + (others_pass ? other : other * walked)));
   }
-  /// The connection cannot be traced: the sample is invalid, which is counted.
+  /// Marks a connection that cannot be traced: its sample is invalid, and is counted as such.
   void lose() { passage = std::numeric_limits<float>::quiet_NaN(); }
   float distance() const { return infinite ? kInfinity : length(target - origin); }
 };
@@ -99,14 +101,16 @@ struct BasicConnection : TestSegment {
 };
 using Connection = BasicConnection<Unpolarised>;
 
-/// Moves a segment on to the distance `t` along its ray: attenuates it by the medium that it is in.
-/// `emission` as of `transmittance`.
+/// Advances a segment to the distance `t` along its ray and attenuates it by the medium that the ray is in.
+/// `emission` is that of `transmittance`.
 void travel(TestSegment& segment, float t, const Wavelengths& w, SegmentEmission* emission = nullptr);
 
-/// A segment has hit a surface: crossed, blocked, or escape where its end lies on that surface, too.
+/// Processes a surface that a segment has hit: returns `crossed`, `blocked`, or `escape` where the segment's
+/// far end lies on that surface.
 Event cross(const SurfacePoint& point, TestSegment& segment, const Wavelengths& w);
 
-/// A segment has hit a surface: as above, where others may touch it. Calls `meet(point)` before.
+/// Processes a surface that a segment has hit, as above, where other surfaces may touch it. Calls
+/// `meet(point)` before.
 template <class Meet>
 Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const Wavelengths& w,
             Meet&& meet) {
@@ -125,7 +129,7 @@ Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const
   return cross(point, c, w);
 }
 
-/// Moves a segment on to what the ray tracer has found, through the media before it.
+/// Advances a segment through the medium to the hit of the ray tracer, and processes the surface there.
 inline Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const Wavelengths& w) {
   if (hit.is_lost()) return c.lose(), Event::escape;
   if (scene.has_media() && c.medium) travel(c, hit ? hit.t : c.ray.t_max, w);
@@ -137,16 +141,16 @@ inline Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c
 /// passage.
 bool is_lost(const Scene& scene, TestSegment& segment);
 
-/// Tests the visibility of one segment; true where its far end is visible, and `passage` complete but for the
-/// diffraction factor. Those of a batch: `connect_vertices` of the driver.
+/// Tests the visibility of one segment; true where its far end is visible; `passage` is then complete except
+/// for the diffraction factor. The segments of a batch are tested by `connect_vertices` of the driver.
 bool is_visible(const Scene& scene, TestSegment& segment, const Wavelengths& w);
 
 inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const RayOrigin& to) {
   origin = from.p;
   ray.o = offset_origin(from.p, from.p_error, from.ng, direction);
-  // The far end leaves its surface, too, so that the segment needs no shortening by a constant. The rounding
-  // of the ray's own arithmetic counts: direction, distance and differences of the length of the segment,
-  // gamma(10) of each.
+  // The far endpoint is offset from its surface as well, so that the segment needs no shortening by a
+  // constant. The offset includes the rounding of the ray's own arithmetic, gamma(10) of each of direction,
+  // distance and differences of the segment's length.
   const Vec3 error = to.p_error + (abs(ray.o) + abs(to.p) + abs(to.p - ray.o)) * gamma_bound(10);
   target = offset_origin(to.p, error, to.ng, -direction);
   ray.d = target - ray.o, ray.t_max = 1;

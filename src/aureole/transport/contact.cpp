@@ -25,7 +25,8 @@ struct Face {
   const Surface& surface() const { return *point.surface; }
 };
 
-/// The faces within the offset of a ray's origin, the hit first: at most kMost, further ones are ignored.
+/// The faces within the offset of a ray's origin, beginning with the hit: at most kMost; further faces are
+/// ignored.
 class Faces {
 public:
   static constexpr int kMost = 12;
@@ -35,8 +36,8 @@ public:
     const Vec3 d = ray.d * (1 / size);
     add(scene.surface_point(hit, ray), d);
     const float reach = contact_distance(all_[0].point, d);
-    // The bound of the other face's error may be larger than that of this one. Before the hit, too: a face at the
-    // same distance may lie outside of an interval that begins there, by the rounding errors of its bounds.
+    // The error bound of another face may be larger than the bound of the hit. Faces before the hit count as
+    // well: by rounding, a face at the hit's distance may lie in front of an interval that begins at the hit.
     constexpr float kReach = 16;
     thread_local std::vector<RayTracer::Hit> near;
     scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max)},
@@ -72,14 +73,15 @@ private:
   };
 };
 
-/// The interface from one body to another, either of which may be missing: the face of one of them.
+/// The interface from one body to another, either of which may be missing: the face of one of the two bodies.
 const Face* interface(const Faces& faces, const Body& before, const Body& behind) {
   const Face* out = before.surface ? faces.of(before, false) : nullptr;
   const Face* in = behind.surface ? faces.of(behind, true) : nullptr;
   if (!out || !in) return out ? out : in;
   if (out->surface().is_null() != in->surface().is_null()) return out->surface().is_null() ? in : out;
   if (out->surface().rank != in->surface().rank) return out->surface().rank > in->surface().rank ? out : in;
-  // In both directions the same one, so that paths may be followed backwards: a rough one, if one is smooth.
+  // Both directions choose one face, so that paths may be followed backwards: a rough face where
+  // the other one is smooth.
   constexpr Lobe kSpread = Lobe::diffuse | Lobe::glossy;
   if (has(out->surface().lobes, kSpread) != has(in->surface().lobes, kSpread))
     return has(out->surface().lobes, kSpread) ? out : in;
@@ -101,14 +103,15 @@ bool find_contact(const Scene& scene, const Ray& ray, const RayTracer::Hit& hit,
   out.across = inside;
   for (const bool inwards : {false, true})
     for (const Face& f : faces)
-      // A body of which the ray crosses two faces, at an edge or where parts of it touch, is around it as before.
+      // A body of which the ray crosses two faces, at an edge or where two parts of the body touch, fills the
+      // space around the ray as before.
       if (f.surface().rank != 0 && f.inwards == inwards && !faces.of(f.body, !inwards))
         out.across.pass(f.body, inwards);
   const Body before = inside.filling(), behind = out.across.filling();
   out.medium = before == behind ? state.medium : medium_across(before, behind, state.medium);
   const Face* chosen = opaque;
   out.is_inactive = false;
-  // A pane or a mask that lies on a body has been noted at loading: light meets the body's surface alone.
+  // Loading has noted a pane or a mask that lies on a body: light interacts with the body's surface alone.
   if (!chosen) {
     out.is_inactive =
         before == behind || (!before.surface && !behind.surface) ||

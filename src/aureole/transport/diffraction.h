@@ -12,16 +12,16 @@ namespace aureole {
 /// State of a path in `Space::any`.
 using DiffractionState = AfterEdge;
 
-/// The factor by which edges beside a free segment of that length from `origin` along `d` change the light that
-/// passes it; 1 in scenes without edges that diffract. `key` is for random numbers.
+/// Factor by which edges beside an unoccluded segment of that length from `origin` along `d` change the light
+/// along it; 1 in scenes without edges that diffract. `key` is for random numbers.
 inline Spectrum diffraction_factor(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                                    const Wavelengths& w, std::uint32_t key) {
   if (scene.outline_edges()) return segment_diffraction(scene, origin, d, length, true, w);
   return scene.diffraction() ? left_by_edges(scene, {origin, d, length}, w, key) : Spectrum(1.f);
 }
 
-/// Multiplies the passage of a connection by its diffraction factor after its visibility test, of which `is_open` is the
-/// result; true where light arrives.
+/// Multiplies the passage of a connection by its diffraction factor after its visibility test, whose result
+/// is `is_open`. Returns true if light arrives.
 inline bool apply_diffraction(const Scene& scene, TestSegment& segment, bool is_open, const Wavelengths& w,
                               std::uint32_t key) {
   if (scene.outline_edges()) return diffract_connection(scene, segment, is_open, w);

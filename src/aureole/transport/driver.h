@@ -38,7 +38,7 @@
 
 namespace aureole {
 
-/// All arrivals: traces the rays, and leaves in `rays` those of paths that crossed something. Returns the
+/// Arrive step: traces the rays, and leaves in `rays` the rays of paths that crossed a surface. Returns the
 /// paths that are at a vertex.
 template <class Steps>
 PathList arrive_all(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
@@ -61,7 +61,7 @@ struct BatchConnections {
   Connection of_path[kBatch];
 };
 
-/// Tells the steps the result of a connection.
+/// Hands the result of a connection to the steps.
 template <class Steps, class Connection>
 void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
   if (open || scene.outline_edges())
@@ -69,7 +69,7 @@ void end_connection(const Scene& scene, Steps& steps, int path, int k, Connectio
   steps.end_connection(path, k, c, open);
 }
 
-/// Connections that may cross surfaces or media.
+/// Tests connections that may cross surfaces or media.
 template <class Steps, class Connection>
 [[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, int k,
                                  BatchConnections<Connection>& connections) {
@@ -87,7 +87,7 @@ template <class Steps, class Connection>
                                });
 }
 
-/// The k-th connection of each path.
+/// Tests the k-th connection of each path.
 template <class Steps, class Connection>
 [[gnu::always_inline]] inline void connect_each(const Scene& scene, Steps& steps, const PathList& paths,
                                                 int k, BatchConnections<Connection>& connections) {
@@ -106,7 +106,7 @@ template <class Steps, class Connection>
   });
 }
 
-/// Further connections of vertices, beside the first of each.
+/// Tests the connections of vertices after the first connection of each.
 template <class Steps, class Connection>
 [[gnu::noinline]] void connect_further(const Scene& scene, Steps& steps, const PathList& vertices,
                                        BatchConnections<Connection>& connections) {
@@ -121,7 +121,7 @@ template <class Steps, class Connection>
   }
 }
 
-/// All connections of the vertices.
+/// Tests all connections of the vertices.
 template <class Steps, class Connection>
 void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices,
                       BatchConnections<Connection>& connections) {
@@ -131,15 +131,15 @@ void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices
   if constexpr (requires { steps.connect_edges(vertices); }) steps.connect_edges(vertices);
 }
 
-/// The next directions: adds the rays of the paths that go on.
+/// Scatter step: samples the next directions, and adds the rays of the paths that go on.
 template <class Steps>
 void scatter_all(Steps& steps, const PathList& paths, BatchRays& rays) {
   for (const int path : paths)
     if (steps.scatter(path)) rays.add(path, steps.ray(path));
 }
 
-/// The exits of paths that have gone on below a surface, as vertices. Apart from the other steps, so that
-/// these cost the same in scenes without such surfaces.
+/// Emerge step: samples the exits of paths that were refracted below a surface, as vertices. It is apart from
+/// the other steps, so that they cost the same in scenes without such surfaces.
 template <class Steps, class Connection>
 [[gnu::noinline]] void emerge_all(const Scene& scene, Steps& steps, BatchRays& rays,
                                   BatchConnections<Connection>& connections) {

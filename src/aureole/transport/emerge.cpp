@@ -19,9 +19,9 @@ public:
       : entry_(entry), ctx_{w, entry}, bssrdf_(*entry.surface->exit->bssrdf), reach_(bssrdf_.reach(ctx_)) {
     const Frame frame = Frame::from_normal(entry.ng);
     axes_ = {frame.n, frame.s, frame.t};
-    // Where the surface curves, rays along the tangents hit parts that rays along the normal graze.
+    // On a curved surface, rays along the tangents hit parts that rays along the normal only graze.
     probabilities_ = {0.5f, 0.25f, 0.25f};
-    // Rays cannot resolve points that are nearer than the rounding of positions.
+    // Rays cannot resolve exits that are nearer to the entry than the rounding error of positions.
     least_ = 16 * length(entry.p_error);
   }
 
@@ -33,7 +33,8 @@ public:
   bool is_here(float distance) const { return distance < least_; }
   BssrdfEval here(float distance) const { return bssrdf_.eval_pdf(distance, ctx_); }
 
-  /// The probe ray at that distance, of unit direction; it ends where exits are no longer sampled.
+  /// The probe ray of unit direction at the distance `r` from the entry. It ends where exits are no longer
+  /// sampled.
   Ray ray(float r, const EmergenceRandom& random) const {
     const std::size_t k = random.axis < 0.5f ? 0 : random.axis < 0.75f ? 1 : 2;
     const Vec2 turn = cos_sin_2pi(random.place.y);
@@ -42,7 +43,7 @@ public:
     return {foot + axes_[k] * depth, -axes_[k], 2 * depth};
   }
 
-  /// P, and the pdf per area of the surface with which a point is sampled.
+  /// Value P of the BSSRDF at an exit, and the pdf per area of the surface with which that exit is sampled.
   BssrdfEval at(const SurfacePoint& exit) const {
     const Vec3 offset = exit.p - entry_.p;
     BssrdfEval e;
@@ -58,7 +59,7 @@ public:
 
 private:
   /// Half the length of the probe ray at the distance r in its plane, for all wavelengths. The ray ends at
-  /// the sphere that contains nearly all light, but also samples a flat surface beyond it.
+  /// the sphere that contains nearly all light, and beyond a flat surface.
   float half_length(float r) const {
     const float left = reach_ * reach_ - r * r;
     return std::max(left > 0 ? std::sqrt(left) : 0.f, r);
@@ -87,7 +88,7 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
   }
   const Ray whole = probes.ray(distance, random);
   const Vec3 end = whole.o + whole.d * whole.t_max;
-  // Upper bound of the hits: a ray along a surface would never end.
+  // Upper bound of the number of hits: a ray within the plane of a surface would hit it without end.
   constexpr int kMaxPoints = 1000;
   float total = 0, kept = 0;
   std::uint64_t state = random.key;
@@ -100,7 +101,7 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
     ray.t_max = dot(end - ray.o, ray.d);
     if (point.surface == entry.surface && point.instance == entry.instance) {
       const BssrdfEval e = probes.at(point);
-      // Its contribution to the path does not depend on which wavelength is the hero.
+      // Contribution of this exit to the path, which does not depend on which wavelength is the hero.
       const float density = mean(ratio * e.pdf),
                   share = density > 0 ? mean(throughput * e.value) / density : 0;
       if (share > 0 && share < kInfinity) {

@@ -17,13 +17,15 @@
 namespace aureole {
 
 struct Emergence {
-  SurfacePoint point;  ///< its surface is the exit of that of the entry
-  Spectrum value;      ///< P [1/length^2]
-  Spectrum pdf;        ///< per area of the shape and per wavelength [1/length^2]
-  float chosen;        ///< probability of this point among those on the ray, the same for all wavelengths
+  SurfacePoint point;  ///< exit on the surface of the same shape as the entry
+  Spectrum value;      ///< value P of the BSSRDF [1/length^2]
+  Spectrum pdf;        ///< pdf per area of the shape, per wavelength [1/length^2]
+  /// probability of choosing this point among the hits of the probe ray, the same for all wavelengths
+  float chosen;
 };
 
-/// Random numbers of an emergence: which axis, where in its plane, and a key for the choice on the ray.
+/// Random numbers of a BSSRDF exit: `axis` chooses the axis, `place` the position in its plane, and a key the
+/// hit on the probe ray.
 struct EmergenceRandom {
   float axis;
   Vec2 place;
@@ -42,12 +44,12 @@ Spectrum throughput_of(const BasicPathDensity<L, kStart>& path) {
   return L::magnitude(path.beta);
 }
 
-/// The direction towards the previous vertex that an exit is given: outside of the geometric and the shading
-/// normal.
+/// Direction from an exit to the outside of its geometric and its shading normal, which takes the part of the
+/// direction to the previous vertex.
 inline Vec3 out_of(const SurfacePoint& exit) { return normalize(exit.ng + exit.shading.n); }
 
-/// Samples the exit of a path from its vertex number `vertex`: `density` becomes that at the exit, and the
-/// ray of `state` one that arrives there from outside.
+/// Samples the exit of a path from its vertex number `vertex`. `density` becomes the density at the exit, and
+/// the ray of `state` becomes a ray that arrives at the exit from outside.
 template <class Density>
 bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w, SampleStream& samples,
             int vertex, Density& density, RayState& state, SurfacePoint& exit) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Equiangular sampling (Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
-// participating media", section 4): places along a segment in proportion to the inverse square of their
-// distance from a point.
+// participating media", section 4): positions along a segment with a density in proportion to the inverse
+// square of their distance from a point.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace aureole {
 
 class Equiangular {
 public:
-  /// Along `ray`, of unit direction, up to the distance t_max, about `pivot`. Distances from it below
-  /// `radius` count as that.
+  /// Samples along `ray`, of unit direction, up to the distance t_max, about `pivot`. Distances to the pivot
+  /// below `radius` count as `radius`.
   Equiangular(const Ray& ray, float t_max, const Vec3& pivot, float radius) {
     const Vec3 to = pivot - ray.o;
     nearest_ = dot(to, ray.d);
@@ -24,7 +24,7 @@ public:
     t_max_ = t_max;
   }
 
-  /// False where rounding leaves nothing to choose from.
+  /// False where rounding leaves no interval to sample.
   bool is_valid() const { return angle_ > 1e-5f && distance_ > 0; }
   float sample(float u) const {
     return std::clamp(nearest_ + distance_ * std::tan(begin_ + u * angle_), 0.f, t_max_);
@@ -34,7 +34,7 @@ public:
     return distance_ / (angle_ * (distance_ * distance_ + along * along));
   }
   float distance() const { return distance_; }
-  /// Distance along the ray of the place that is nearest to the pivot.
+  /// Distance along the ray to the position nearest to the pivot.
   float nearest() const { return std::clamp(nearest_, 0.f, t_max_); }
 
 private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Equiangular sampling as a second technique of a segment in a medium: positions along it are sampled about a
 // light near it, beside the position where distance sampling scatters the path. Both techniques know the
-// pivot of the other, a point of a light that is chosen for the segment as a whole; what is connected from
-// the position does not depend on it. So the balance heuristic compares the two pdfs along the segment
+// pivot of the other, a point of a light that is chosen for the segment as a whole; the connection from the
+// position does not depend on the pivot. So the balance heuristic compares the two pdfs along the segment
 // (docs/decisions/0065-equiangular-sampling.md).
 #pragma once
 
@@ -13,9 +13,9 @@
 
 namespace aureole {
 
-/// Positions along the ray up to t_max about a light near it; nothing where distance sampling is as good:
-/// where media absorb most of the light before it gets there, or beyond the point of the ray nearest to the
-/// light. `u` chooses among lights.
+/// Equiangular sampling along the ray up to t_max about a light near it. Nothing where distance sampling is
+/// as good: where media absorb most of the light before it gets there, or beyond the point of the ray nearest
+/// to the light. `u` chooses among lights.
 inline std::optional<Equiangular> equiangular_positions(const Scene& scene, const RayState& state,
                                                         float t_max, const Wavelengths& w, float u) {
   const LightTree& tree = scene.lights().tree();
@@ -24,8 +24,10 @@ inline std::optional<Equiangular> equiangular_positions(const Scene& scene, cons
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
   const Equiangular positions(ray, t_max + state.offset, box.center(), 0.5f * length(box.diagonal()));
-  constexpr float kNear = 1,
-                  kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
+  constexpr float
+      kNear = 1,
+      // greatest optical depth to the pivot, by measurement (docs/decisions/0065-equiangular-sampling.md)
+      kReach = 4;
   const float sigma = mean(state.medium->majorant(state.ray.d, w)) * state.medium->majorants().max_bound();
   if (!positions.is_valid() || !(sigma * positions.distance() < kNear) ||
       !(sigma * positions.nearest() < kReach))
@@ -33,8 +35,8 @@ inline std::optional<Equiangular> equiangular_positions(const Scene& scene, cons
   return positions;
 }
 
-/// Samples such a position, by `u`, at the end of `path` and connects it with a light, as `connect_to_light`
-/// does.
+/// Samples an equiangular position, by `u`, on the segment at the end of `path` and connects it with a light,
+/// as `connect_to_light` does.
 template <class L>
 bool connect_along(const Scene& scene, const RayState& state, BasicPathDensity<L, PathStart::sensor> path,
                    const Equiangular& positions, float u, float u1, Vec2 u2, const Wavelengths& w,

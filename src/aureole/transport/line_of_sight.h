@@ -20,7 +20,7 @@ class LinesOfSight {
 public:
   LinesOfSight(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
 
-  /// `key` is for random numbers.
+  /// Begins the line of sight of a path. `key` is for random numbers.
   void begin(int path, const RayState& start, std::uint32_t key, bool through_emitters = false) {
     TestSegment& line = lines_[path];
     line.set(start.ray);
@@ -59,7 +59,7 @@ public:
   }
 
 private:
-  /// Transmittance and diffraction factor from the present hit to the origin of the line.
+  /// Transmittance times diffraction factor from the present hit to the origin of the line of sight.
   Spectrum arriving(int path) const {
     const TestSegment& line = lines_[path];
     return line.passage * diffraction_factor(scene_, line.origin, line.d, line.behind,
@@ -68,8 +68,8 @@ private:
   void pass_medium(int path, TestSegment& line, float t_max, const Wavelengths& w) {
     if (!line.medium->emits()) return travel(line, t_max, w);
     SegmentEmission emission = viewer_.emission(path);
-    const Spectrum before =
-        line.passage;  // `travel` multiplies it by the Russian roulette of the whole segment
+    // `travel` multiplies it by the Russian roulette of the whole segment
+    const Spectrum before = line.passage;
     travel(line, t_max, w, &emission);
     viewer_.see(path, before * emission.radiance);
   }

@@ -13,7 +13,7 @@ namespace {
 /// The distance to the next event of a Poisson process of density 1.
 float free_path(float u) { return -std::log1p(-u); }
 
-/// exp(-sigma t); where sigma is 0, 1 at any distance.
+/// exp(-sigma t); 1 at any distance where sigma is 0.
 Spectrum passing(const Spectrum& sigma, float t) {
   return make_spectrum([&](int i) { return sigma[i] > 0 ? std::exp(-sigma[i] * t) : 1.f; });
 }
@@ -24,14 +24,15 @@ float attenuated_length(float sigma, float t) {
   return depth > 1e-3f ? -std::expm1(-depth) / sigma : t * (1 - 0.5f * depth);
 }
 
-/// The density per length and solid angle with which connections would have found emission at p.
+/// The density per length and solid angle with which connections would have found the emission at p.
 float connection_density(const SegmentEmission& emission_sum, const Medium& medium, const Vec3& p) {
   return emission_sum.media->pdf(medium, emission_sum.from.p, emission_sum.from.facing, p) *
          length_squared(p - emission_sum.from.p);
 }
 
-/// Adds emission at a tentative collision, of which the part `passed` arrives, over the density of finding it
-/// there, `flight` for each density of the path before, and `connection` for each of a connection.
+/// Adds the emission at a tentative collision. `passed` is the transmittance to the collision, over the pdf
+/// of finding it there. `flight` and `connection` are the pdfs of a collision there relative to the path so
+/// far, of the walk and of connections.
 void add_collision(const Medium& medium, const Vec3& p, const MediumCoefficients& at, const Spectrum& passed,
                    const Spectrum& flight, float connection, SegmentEmission& emission_sum) {
   if (is_black(at.emission)) return;
@@ -44,7 +45,7 @@ void add_collision(const Medium& medium, const Vec3& p, const MediumCoefficients
 /// The light that a medium of the extinction `sigma` emits along the ray.
 void add_emission(const Medium& medium, const Ray& ray, float t_max, const Spectrum& sigma,
                   const Spectrum& emission, const Wavelengths& w, float u, SegmentEmission& emission_sum) {
-  // A medium without end that does not absorb would shine without bound.
+  // The radiance of an infinite medium that emits and does not absorb has no upper bound.
   const float end = std::min(t_max, kFarthest);
   const float inverse_size = emission_sum.media ? emission_sum.media->inverse_size(medium) : 0.f;
   if (medium.has_uniform_emission() && !(inverse_size > 0)) {
@@ -53,7 +54,7 @@ void add_emission(const Medium& medium, const Ray& ray, float t_max, const Spect
                              (1 / sum(emission_sum.r_u));
     return;
   }
-  // One place, drawn as a mean wavelength would be absorbed: the same for each hero.
+  // One position, sampled by the absorption at a mean wavelength, so that it does not depend on the hero.
   const float middle = mean(sigma), length = attenuated_length(middle, end);
   const float t = middle * end > 1e-3f ? -std::log1p(-u * middle * length) / middle : u * end;
   const Vec3 p = ray.o + ray.d * t;
@@ -69,7 +70,7 @@ void add_emission(const Medium& medium, const Ray& ray, float t_max, const Spect
   emission_sum.radiance += light * (rate / sum(emission_sum.r_u * rate + emission_sum.r_l * found));
 }
 
-/// The extinction is the same everywhere: the distance is drawn in closed form for the hero.
+/// Distance sampling in closed form for the hero, in a medium whose extinction is the same everywhere.
 bool sample_uniform(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                     DistanceRandom random, Passage& passage, SegmentEmission* emission_sum, float& t) {
   MediumCoefficients at;
@@ -96,7 +97,8 @@ bool sample_uniform(const Medium& medium, const Ray& ray, float t_max, const Wav
 }
 
 /// Calls `visit(t, bound)` for the positions of a Poisson process along the ray whose density is that of the
-/// majorants times `scale`, in order, until it returns true. `first` decides where the first is.
+/// majorants times `scale`, in order, until `visit` returns true. The random number `first` decides the first
+/// position.
 template <class Visit>
 bool visit_collisions(const Majorants& majorants, const Ray& ray, float t_max, float scale, float first,
                       KeyedRandom& random, Visit&& visit) {
@@ -116,13 +118,13 @@ bool visit_collisions(const Majorants& majorants, const Ray& ray, float t_max, f
   });
 }
 
-/// Collisions under majorants that vary.
+/// Distance sampling by null collisions under majorants that vary.
 bool sample_null_collisions(const Medium& medium, const Majorants& majorants, const Ray& ray, float t_max,
                             const Wavelengths& w, DistanceRandom random, Passage& passage,
                             SegmentEmission* emission_sum, float& t) {
   KeyedRandom further(random.key);
   MediumCoefficients at;
-  // The value of the null collisions so far is their density on a walk, too.
+  // Product of the null-collision coefficients so far, which is also the pdf of a walk that passes them.
   Spectrum passed = 1.f;
   float connection = 1;
   const float scale = max_component(medium.majorant(ray.d, w));
@@ -138,7 +140,7 @@ bool sample_null_collisions(const Medium& medium, const Majorants& majorants, co
           t = place;
           return true;
         }
-        // By rounding an extinction may exceed the bound.
+        // By rounding, an extinction coefficient may exceed its majorant.
         passed *= max(Spectrum(bound) - at.sigma_t, 0.f) * (1 / (bound - hero));
         connection *= bound / (bound - hero);
         return false;
@@ -165,7 +167,7 @@ void cut_at_collision(RayState& state, const Wavelengths& w, float first) {
   MediumCoefficients at;
   medium.eval(state.ray.o, state.ray.d, w, at);
   const float hero = at.sigma_t[0];
-  // Room for rounding: which of two is nearer, the event or a surface, is decided by `fly`.
+  // Margin for rounding: `fly` decides whether the event or a surface is nearer.
   if (hero > 0) state.ray.t_max = std::max(free_path(first) / hero * 1.00001f - state.offset, 0.f);
 }
 
@@ -224,7 +226,7 @@ Transmittance transmittance(const Medium& medium, const Ray& ray, float t_max, c
           add_collision(medium, p, c, passed * result.roulette, Spectrum(bound), 1, *emission_sum);
       },
       [&](const Spectrum& passed, KeyedRandom& random) {
-        // Roulette, the same for each hero.
+        // Russian roulette decides by a mean over wavelengths, so that it does not depend on the hero.
         constexpr float kRouletteThreshold = 0.1f, kSurvival = 0.5f;
         if (!(max_component(passed) * result.roulette < kRouletteThreshold)) return true;
         result.roulette = random.next() < kSurvival ? result.roulette / kSurvival : 0.f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light in a medium between two surfaces. Two estimators of a segment in it: distance sampling, which
-// scatters the path somewhere, and transmittance, the part of a connection's light that arrives.
+// Light in a medium between two surfaces. A segment has two estimators: distance sampling, which may scatter
+// the path along it, and transmittance, the fraction of a connection's light that arrives.
 //
 // Coefficients that vary are handled by null collisions (Miller, Georgiev & Jarosz 2019, "A null-scattering
 // path integral formulation of light transport"): the medium is filled up to a majorant with matter that
@@ -32,11 +32,12 @@ struct LightReference {
   Vec3 p, facing;
 };
 
-/// How next-event estimation has sampled the emission of media that a ray passes.
+/// How next-event estimation has sampled the emission of media along a ray.
 struct EmissionSampling {
-  const EmittingMedia* media = nullptr;  ///< among these; null: it has not
-  LightReference from;                   ///< at this vertex
-  /// The part of the path's `r_l` that counts: connections that only sample surfaces are left out.
+  /// the media that were sampled; null: no emission of media was sampled
+  const EmittingMedia* media = nullptr;
+  LightReference from;  ///< the vertex that the emission was sampled from
+  /// The part of the path's `r_l` that counts: connections that only sample surfaces are not part of it.
   Spectrum share{1.f};
 };
 
@@ -44,7 +45,8 @@ struct EmissionSampling {
 struct SegmentEmission {
   /// Ratios of pdfs of the path before the segment (`BasicPathDensity`).
   Spectrum r_u{1.f}, r_l{0.f};
-  /// The lights among which connections from the last vertex have sampled emission; null: they have not.
+  /// The lights among which connections from the last vertex have sampled emission; null where connections
+  /// have not sampled emission.
   const EmittingMedia* media = nullptr;
   LightReference from{};
   /// An estimate of the radiance over the sum of the pdfs of all techniques that find it.
@@ -101,24 +103,25 @@ bool sample_distance(const RayState& state, float t_max, const Wavelengths& w, S
 /// the whole of which something is sampled or seen.
 void cut_at_collision(RayState& state, const Wavelengths& w, float first);
 
-/// The formal pdf per length with which distance sampling finds emission at `p`, as the MIS weights of all
-/// techniques use it, without that of passing what lies before. `inverse_size`: the inverse of the medium's
+/// The pdf per length with which the MIS weights of all techniques assume that distance sampling finds
+/// emission at `p`. The transmittance to `p` is not part of it. `inverse_size` is the inverse of the medium's
 /// size.
 float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,
                     float inverse_size, const Wavelengths& w);
 
 /// Transmittance of a medium.
 struct Transmittance {
-  /// An estimate, unbiased for each wavelength, or the exact value. The same number is the ratio of the pdf
-  /// of passing on a walk to that of passing without being scattered.
+  /// An estimate, unbiased for each wavelength, or the exact value. It equals the ratio of two pdfs: of a
+  /// walk that passes the segment, and of passing it without any scattering event.
   Spectrum value{1.f};
   float roulette = 1;  ///< factor of the estimate that is in no pdf; 0 where Russian roulette ended it
 };
-/// Along `ray` from its origin to the distance t_max. Adds the medium's emission to `emission`, unless that
-/// is null; its `r_u` is the pdf of arriving at t_max, too, since nothing is scattered.
+/// Transmittance along `ray` from its origin to the distance t_max. Adds the medium's emission to `emission`,
+/// unless that is null; the `r_u` of `emission` is also the pdf of arriving at t_max, since nothing is
+/// scattered.
 Transmittance transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                             std::uint32_t key, SegmentEmission* emission = nullptr);
-/// Transmittance without Russian roulette, so that a path may be scattered at the distance `t`.
+/// Transmittance without Russian roulette, for a path that may be scattered at the distance `t`.
 Spectrum transmittance_to(const Medium& medium, const Ray& ray, float t, const Wavelengths& w,
                           std::uint32_t key);
 

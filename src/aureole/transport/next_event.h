@@ -70,8 +70,8 @@ inline const EmittingMedia* connected_media(const Scene& scene) {
   return media && media->can_be_connected() ? media : nullptr;
 }
 
-/// As `connect_to_light`, with a position in a medium that emits: `u1` chooses the medium, `u2` is for the
-/// position.
+/// Connects with a position in a medium that emits, otherwise as `connect_to_light`: `u1` chooses the medium,
+/// `u2` is for the position.
 template <class L>
 bool connect_to_emission(const Scene& scene, const BasicVertex<Space::any, L>& vertex, const RayState& state,
                          const BasicPathDensity<L, PathStart::sensor>& path, float u1, Vec2 u2,
@@ -91,7 +91,7 @@ bool connect_to_emission(const Scene& scene, const BasicVertex<Space::any, L>& v
   if (is_black(at.emission) || !vertex.respond(d, response)) return false;
   const float rate =
       emission_rate(*place.medium, place.p, d, at.sigma_t, media.inverse_size(*place.medium), w);
-  if (!(rate > 0)) return false;  // outside of the medium's box
+  if (!(rate > 0)) return false;  // the position lies outside of the medium's box
   out.set(vertex.origin(), d, RayOrigin::in_space(place.p));
   out.begin_in(vertex.leaving(d, state), key + 1);
   out.source = place.medium;
@@ -116,8 +116,9 @@ inline float light_density(const Scene& scene, const LightReference& from, const
 }
 
 /// Connects the vertex at the end of a light path of throughput `beta` with the sensor, where it is seen at
-/// `film`. pdfs(seen, response, own, other) as of `connect_to_light`; false where it gives none. False where
-/// the sensor does not see it, or no light goes there.
+/// `film`. pdfs(seen, response, own, other) is as in `connect_to_light`, and returns false where the
+/// connection has no pdf. Returns false where the vertex is not on the film, or scatters no light to the
+/// sensor.
 template <class L, class Pdfs>
 bool connect_to_sensor(const Scene& scene, const BasicVertex<Space::any, L>& vertex, const RayState& state,
                        const typename L::Light& beta, Vec2 lens, bool hide_emitters, const Wavelengths& w,

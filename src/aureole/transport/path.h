@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Path`: a sample of the film whose light is estimated, with its result; and `Splat`: light that a path
-// leaves elsewhere on the film.
+// `Path`: a sample of the film whose radiance is estimated, with its result; and `Splat`: light that a path
+// contributes to another position on the film.
 #pragma once
 
 #include <limits>
@@ -19,18 +19,19 @@ struct RadianceEstimate {
 
 /// One of the paths of a batch, which belongs to a sample of a pixel.
 struct Path {
-  Ray ray;    ///< of the sensor
-  Vec2 film;  ///< where it was sampled [pixels from the film's top left corner]
+  Ray ray;    ///< the ray that leaves the sensor
+  Vec2 film;  ///< position at which the film was sampled [pixels from the film's top left corner]
   Wavelengths wavelengths;
-  SampleStream samples;     ///< its dimensions count from the first one after those of the sensor
+  /// random numbers of the sample; its dimensions count from the first one after those of the sensor
+  SampleStream samples;
   float* aovs = nullptr;    ///< receives one number per name of `Integrator::aov_names`
-  RadianceEstimate result;  ///< of the radiance along `ray`, set by `Integrator::trace`
+  RadianceEstimate result;  ///< estimate of the radiance along `ray`, set by `Integrator::trace`
 };
 
-/// Light that a path leaves anywhere on the film.
+/// Light that a path contributes to any position on the film.
 struct Splat {
-  int path;   ///< index into the batch
-  Vec2 film;  ///< pixels from the film's top left corner
+  int path;   ///< index of the path in the batch
+  Vec2 film;  ///< position on the film [pixels from the film's top left corner]
   /// Spectral power per film area [pixels^2] over the pdf of the path, as Film::measure takes it.
   Spectrum estimate;
 };

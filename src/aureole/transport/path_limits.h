@@ -10,12 +10,12 @@
 
 namespace aureole {
 
-/// The number of crossings that are left where `max_depth` does not limit them.
+/// Number of allowed crossings where `max_depth` does not limit them.
 inline constexpr int kUnlimitedCrossings = std::numeric_limits<int>::max();
 
 /// The parameters `max_depth`, `count_crossings`, `rr_depth`, `max_scattering` and `hide_emitters`.
 struct PathLimits {
-  /// Russian roulette begins here at the latest: inside a closed shape without losses no path would end
+  /// Largest depth at which Russian roulette begins: inside a closed shape without losses no path would end
   /// without it.
   static constexpr int kLatestRoulette = 1000;
 
@@ -36,13 +36,13 @@ struct PathLimits {
   /// (docs/decisions/0099-long-path-roulette.md, 0148-white-walls.md).
   static float max_survival(int depth) { return 1 - std::clamp(0.5f / float(depth + 1), 5e-5f, 1e-3f); }
 
-  /// How many crossings the limit leaves to a path of so many segments.
+  /// Number of crossings that the limit allows to a path of `segments` segments.
   int crossings_left(int segments) const {
     return counts_crossings ? max_depth - segments : kUnlimitedCrossings;
   }
   /// Whether crossing that surface counts.
   bool counts(const Surface& surface) const { return counts_crossings && !surface.is_null(); }
-  /// Whether paths of so many segments count.
+  /// Whether paths of `segments` segments count.
   bool reaches(int segments) const { return max_depth < 0 || segments <= max_depth; }
 
   int max_depth;  ///< longest path in segments; -1: no limit

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The log of a replayed path: what happens to it, event by event. `--pixel` prints them as lines; tests
-// compare them with an own calculation.
+// compare them with a calculation that shares no code with it.
 #pragma once
 
 #include <functional>
@@ -25,27 +25,27 @@ struct PathEvent {
     escape,      ///< the ray leaves the scene along `d`
     emission,    ///< emission found by hitting a light at `p`, or in the direction `d`
     connection,  ///< a connection with a light at `p` (infinite: along `d`) or with a vertex of a light path
-    sensor,      ///< a connection with the sensor at `p`, seen at `film`
+    sensor,      ///< light of another kind, which `text` describes
     other,       ///< further light, which `text` describes
   };
 
   Kind kind;
   int depth = 0;          ///< number of segments from the start of the path
-  Vec3 p{};               ///< world space
+  Vec3 p{};               ///< position in world space
   Vec3 d{};               ///< unit direction in world space
   bool infinite = false;  ///< the far end is at infinity along `d`
-  float throughput = 0;   ///< relative to that at the start of the path
-  int vertex = 0;    ///< of a connection with a light path: number of segments of that path up to its vertex
+  float throughput = 0;   ///< throughput relative to the throughput at the start of the path
+  int vertex = 0;    ///< for a connection with a light path: number of segments of that path up to its vertex
   bool open = true;  ///< a connection is not occluded
   bool along_ray = false;  ///< the connection begins at a sampled position along the ray, which is no vertex
   Vec3 from{};             ///< where a connection begins, in world space
   /// Contribution to the estimate, as RadianceEstimate::estimate; 0 where there is none.
   Spectrum estimate{0.f};
   Vec2 film{};                          ///< pixels from the film's top left corner
-  const SurfacePoint* point = nullptr;  ///< of `surface` and `exit`; valid during the call
-  const Light* light = nullptr;         ///< of `start`
+  const SurfacePoint* point = nullptr;  ///< the point of an event `surface` or `exit`; valid during the call
+  const Light* light = nullptr;         ///< the light of an event `start`
   std::size_t part = 0;                 ///< the sampled part of `light`
-  const Medium* in_medium = nullptr;    ///< of `start` and `medium`
+  const Medium* in_medium = nullptr;    ///< the medium of an event `start` or `medium`
   const char* text = "";
 };
 

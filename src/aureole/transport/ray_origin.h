@@ -27,9 +27,9 @@ struct RayOrigin {
   static RayOrigin of(const EmittedRay& s) { return {s.p, s.p_error, s.ng}; }
   static RayOrigin in_space(const Vec3& p) { return {p, {}, {}}; }
 
-  /// The ray that leaves along the unit direction `d`, off the surface that the point lies on.
+  /// Returns the ray along the unit direction `d`, offset from the surface that the point lies on.
   Ray spawn(const Vec3& d) const { return {offset_origin(p, p_error, ng, d), d, kInfinity}; }
-  /// Distance along a ray of unit direction that `spawn` has given from the surface to its origin.
+  /// Distance from the surface to the origin of a ray of unit direction that `spawn` has returned.
   float offset(const Ray& ray) const { return distance_from_surface(ray.o - p, ray.d); }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `RayState`: a ray with the medium and the shapes that its origin lies in; and `Segment`, which also knows
-// where the straight part of a path has begun that the ray belongs to.
+// the origin of the straight part of the path that the ray belongs to.
 #pragma once
 
 #include <utility>
@@ -12,19 +12,20 @@
 
 namespace aureole {
 
-/// In scenes without media only the ray is kept up to date.
+/// A ray, the medium around its origin and the bodies that contain the origin. In scenes without media only
+/// the ray is kept up to date.
 struct RayState {
   Ray ray;
-  const Medium* medium = nullptr;  ///< at the origin of the ray, or null
+  const Medium* medium = nullptr;  ///< medium at the origin of the ray, or null
   InteriorList interiors;          ///< bodies with a rank that the origin lies in
   /// Distance from the surface that the ray leaves to its origin, which lies off that surface by the bound of its
   /// rounding error: media count from the surface. Kept up to date in scenes with media.
   float offset = 0;
 
-  /// Where the ray has met surfaces that touch: what lies across them; else null.
+  /// The touching surfaces that the ray has hit, with the medium and bodies behind them; null elsewhere.
   const Contact* contact = nullptr;
 
-  /// The ray from the surface that it leaves.
+  /// The ray with its origin moved back to the surface that it leaves.
   Ray from_surface() const { return {ray.o - ray.d * offset, ray.d, ray.t_max}; }
 
   /// Whether a surface that the ray hits is inactive: a body of higher rank fills the space around it, or one of the
@@ -61,15 +62,15 @@ struct RayState {
 /// A straight part of a path from one vertex to the next, across null surfaces and inactive ones. The ray is
 /// the piece of it that is still to be traced.
 struct Segment : RayState {
-  Vec3 origin;       ///< of the first ray
+  Vec3 origin;       ///< origin of the segment's first ray
   float behind = 0;  ///< distance along the segment that lies behind the present ray
 
   /// Begins at the present ray.
   void begin() { origin = ray.o, behind = 0; }
 };
 
-/// Sets medium and interiors around the origin of the ray, which is that of the sensor or, given `light`,
-/// leaves that light: an emitter or sensor may state its medium.
+/// Sets medium and interiors around the origin of the ray, which belongs to the sensor or, given `light`,
+/// leaves that light: an emitter or a sensor may state its medium.
 void find_interiors(const Scene& scene, const Light* light, RayState& state);
 /// Sets medium and interiors by the boundaries around the origin of the ray alone.
 void find_interiors(const Scene& scene, RayState& state);

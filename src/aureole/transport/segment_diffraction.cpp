@@ -15,7 +15,7 @@ namespace aureole {
 
 namespace {
 
-/// Whether the way from `from` to shortly before `to` is free but for null surfaces.
+/// Whether the straight line from `from` to shortly before `to` is unoccluded except for null surfaces.
 bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite, const Wavelengths& w) {
   // The end lies on a surface: the test ends before it, by more than the rounding of its coordinates.
   constexpr float kPart = 0.99999f;
@@ -33,10 +33,11 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
   return is_visible(scene, test, w) && max_component(test.passage) >= TestSegment::kOpaque;
 }
 
-/// The field u/u0 at the end of a segment, as a sum over the parts of edges beside it.
+/// The field u/u0 at the far end of a segment, as a sum over the parts of edges beside it.
 class SegmentField {
 public:
-  /// `begin` and `end` are the ends off their surfaces, `end` a direction where it is at infinity.
+  /// `begin` and `end` are the endpoints, offset from their surfaces; `end` is a direction where the segment
+  /// is infinite.
   SegmentField(const Scene& scene, const EdgeSegment& segment, const Vec3& begin, const Vec3& end,
                bool is_open, const Wavelengths& w)
       : scene_(scene),
@@ -51,7 +52,7 @@ public:
       wavelengths_[i] = edges_.wavelength(w.nm[int(i)]);
       shortest = std::min(shortest, wavelengths_[i]), longest_ = std::max(longest_, wavelengths_[i]);
     }
-    // All wavelengths of a path have one field where they differ by less than a fraction of its phase.
+    // All wavelengths of a path share one field where they differ by less than this fraction of its phase.
     constexpr double kAlike = 1e-5;
     if (longest_ - shortest < kAlike * longest_) count_ = 1;
     field_.fill(is_open ? 1.0 : 0.0);
@@ -60,7 +61,8 @@ public:
   Spectrum factor() {
     std::vector<EdgeBeside>& beside = beside_edges();
     edges_.visit(segment_, longest_, rims_, [&](const EdgePassage& passage) {
-      // An edge that is no outline for light that turns at it alone may be one for light that also turns at another edge.
+      // An edge that is no outline for light diffracted by it alone may be one for light that another edge
+      // also diffracts.
       EdgeBeside edge{passage, {}, true};
       const Double3 &in = passage.in, &out = passage.out;
       edge.is_outline = edges_.find_side(passage, segment_, in, out, false, edge.side);
@@ -95,10 +97,11 @@ private:
     EdgePassage passage;
     EdgeSide side;
     bool is_outline;
-    bool seen_from_begin, seen_from_end;  ///< a point just off its open side
-    double v = 0;                         ///< |v| at a unit wavelength, where its detour is smallest
-    double length_weight = 1;             ///< 1: it acts like an endless edge, 0: like a point
-    double in_rows = 0;                   ///< how far it acts in rows (1) and not by itself (0)
+    /// visibility, from the segment's two endpoints, of a point just beside the edge on its open side
+    bool seen_from_begin, seen_from_end;
+    double v = 0;  ///< |v| for a wavelength of 1, at the point of the part with the smallest detour
+    double length_weight = 1;  ///< 1: it acts like an endless edge, 0: like a point
+    double in_rows = 0;        ///< weight with which the part acts in rows (1) instead of by itself (0)
 
     /// Whether it diffracts light by itself.
     bool is_seen() const { return is_outline && seen_from_begin && seen_from_end; }
@@ -111,7 +114,7 @@ private:
   };
   static constexpr std::size_t kMaxRows = RowParts::kCapacity / 2;
 
-  // Scenes have thousands of edges beside a segment: their memory is kept.
+  // Scratch memory that is kept between calls, since scenes have thousands of edges beside a segment.
   static std::vector<EdgeBeside>& beside_edges() {
     static thread_local std::vector<EdgeBeside> all;
     all.clear();
@@ -151,13 +154,15 @@ private:
       }
       if (screens_->is_copy(index, part.passage, longest_)) continue;
       part.seen_from_begin = sees(part.side, true);
-      // A point that one end does not see is of use only where another edge diffracts light towards that end.
+      // A point that one endpoint does not see matters only where another edge diffracts light towards that
+      // endpoint.
       part.seen_from_end = (part.seen_from_begin || !screens_->is_one_sheet()) && sees(part.side, false);
       parts.push_back(part);
     }
   }
 
-  /// How far an edge is long enough, in both directions from where its detour is smallest, to act like an endless one.
+  /// Weight in [0, 1] of a part acting like an infinite edge: whether it is long enough in both directions
+  /// from the point with the smallest detour.
   double length_weight(const DetourLine& line, const EdgePassage& passage) const {
     if (!passage.passes_middle()) return 0;
     const double v = line.parameter(passage.middle);
@@ -181,7 +186,7 @@ private:
       if (part.is_seen()) candidate.subtracted = part.side.takes_open(is_open_);
       candidates.add(candidate);
     }
-    // Two edges are screens of each other.
+    // Fewer than three edges make no row: two edges are screens of each other.
     if (candidates.size() < 3) return 0;
     candidates.sort(segment_);
     const EdgeRows edge_rows(
@@ -203,8 +208,8 @@ private:
     return count;
   }
 
-  /// Multiplies `weight` by the change of a part's wave at the screen between it and one end of the segment. Returns false
-  /// where no light goes there; sets `turns` where light turns at the screen, too.
+  /// Multiplies `weight` by the change of a part's wave at the screen between it and one end of the segment.
+  /// Returns false where no light arrives; sets `turns` where the screen diffracts the light as well.
   bool pass_screen(const EdgePart& part, bool is_begin, Field& weight, bool& turns) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
     const auto screen = screens_->find_screen(
@@ -273,7 +278,7 @@ private:
   bool any_ = false;
   const EdgeScreens* screens_ = nullptr;
   std::vector<double> cuts_;
-  std::deque<MeshEdge> rims_;  ///< of balls
+  std::deque<MeshEdge> rims_;  ///< outlines of spheres
 };
 
 }  // namespace
@@ -288,12 +293,12 @@ Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3&
 
 bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
                   const Wavelengths& w) {
-  // |v| up to 20: less than 1e-3 of the light turns farther into a shadow.
+  // Upper bound of |v|: less than 1e-3 of the light is diffracted farther into a shadow than 20.
   constexpr double kMost = 20;
   const OutlineEdges& edges = *scene.outline_edges();
   EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
   if (from_infinity) {
-    // Detours depend on where the light arrives, at most on the far side of the scene.
+    // Detours depend on the position at which the light arrives, which is at most the far side of the scene.
     ray.from = ray.from + ray.d * (2.0 * double(length(scene.tracer().bounds().diagonal())));
     ray.d = -ray.d;
   }

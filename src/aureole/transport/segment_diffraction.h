@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The diffraction factor |u/u0|^2 of segments in scenes with the diffraction model "segments" (docs/diffraction.md): it
-// may be nonzero where the segment is blocked, and above 1 where it is free.
+// The diffraction factor |u/u0|^2 of segments in scenes with the diffraction model "segments"
+// (docs/diffraction.md): it may be nonzero where the segment is occluded, and above 1 where it is unoccluded.
 #pragma once
 
 #include "aureole/scene/scene.h"
@@ -9,20 +9,20 @@
 namespace aureole {
 
 /// Returns |u/u0|^2 per wavelength of the segment from `origin` along the unit direction `d`; `length` may be infinite.
-/// `is_open`: whether the segment is free. An edge counts if light reaches it from both ends of the segment, straight or by
-/// way of one parallel edge on each side.
+/// `is_open`: whether the segment is unoccluded. An edge counts if light reaches it from both ends of the
+/// segment, straight or by way of one parallel edge on each side.
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w);
 
-/// Whether edges are so near to a ray that light may turn around them into the shadow of what the ray hits.
-/// `from_infinity`: the ray is light of an emitter at infinity.
+/// Whether edges are so near to a ray that light may be diffracted by them into the shadow of the surface
+/// that the ray hits. `from_infinity`: the ray is light of an emitter at infinity.
 bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
                   const Wavelengths& w);
 
 /// Multiplies the passage of a connection by its diffraction factor, `is_open` being the result of its visibility test,
-/// and returns whether light arrives. Surfaces that pass less than a hundredth of the light block a connection; what they
-/// pass is added. Light that arrives on a blocked connection is found by no other technique, so that the MIS weight becomes
-/// that of the connection alone.
+/// and returns whether light arrives. Surfaces that transmit less than a hundredth of the light block a
+/// connection; the light that they transmit is added. Light that arrives on a blocked connection is found by
+/// no other technique, so that the MIS weight becomes that of the connection alone.
 bool diffract_connection(const Scene& scene, TestSegment& connection, bool is_open, const Wavelengths& w);
 
 }  // namespace aureole

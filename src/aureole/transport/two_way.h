@@ -12,8 +12,8 @@
 // (sum of the densities of all techniques and wavelengths), all over its own density. A subpath keeps the
 // sums over the techniques that connect nearer to its beginning, so that each connection knows all of them.
 //
-// Null collisions are vertices of a path, too: a walk that passes them has a density for that, a connection
-// does not.
+// Null collisions are vertices of a path as well: a walk that passes them has a density for them, a
+// connection has none.
 #pragma once
 
 #include <memory>
@@ -53,11 +53,11 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
     earlier = 0.f;
     this->r_l = is_connected ? this->r_u * (1 / pdf) : Spectrum(0.f);
   }
-  /// Arrives at a vertex. `spread` is the area across the ray per solid angle in which it left, the squared
-  /// distance.
+  /// Arrives at a vertex. `spread` is the area across the ray per solid angle at the previous vertex, the
+  /// squared distance.
   void arrive(bool in_medium, const Spectrum& across, float spread) {
     if (in_medium) {
-      // `pass` has divided by the hero's extinction, and has multiplied by that of each.
+      // `pass` has divided by the hero's extinction, and has multiplied by the extinction at each wavelength.
       earlier = safe_divide(earlier, across);
       this->r_l *= spread;
     } else {
@@ -68,12 +68,12 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
   }
 
   /// Sum over the techniques that connect nearer to the start of the subpath, given the pdf `reverse` of
-  /// scattering back from the last vertex. To be multiplied by the pdf of sampling the last vertex from the
-  /// other endpoint.
+  /// scattering back from the last vertex. The caller multiplies it by the pdf of sampling the last vertex
+  /// from the other endpoint.
   Spectrum others(const Spectrum& reverse) const { return reverse * earlier + this->r_l; }
 
 private:
-  /// Products of many densities stay finite.
+  /// Upper bound of a pdf, so that products of many pdfs stay finite.
   static constexpr float kMaxPdf = 1e25f;
 };
 
@@ -90,8 +90,8 @@ struct Emission {
   LightChoice choice{};
   EmittedRay ray;
 
-  /// Pdf with which a connection from `from` would have sampled this position: per solid angle, or the mass
-  /// of a delta emitter.
+  /// Pdf with which a connection from `from` would have sampled this position on the light: per solid angle,
+  /// or the mass of a delta emitter.
   float connection_density(const Scene& scene, const LightReference& from) const {
     const Light& light = *choice.light;
     if (light.is_delta()) return scene.lights().probability(from.p, from.facing, light, choice.part);
@@ -115,10 +115,10 @@ struct LightVertex {
   BasicVertex<Space::any, L> vertex;
   LightSubpathDensity<L> density;
   int edges = 0;     ///< segments from the light
-  int crossed = 0;   ///< crossings of surfaces on the way that count for the limit of segments
+  int crossed = 0;   ///< crossings of surfaces since the light that count for the limit of segments
   int in_media = 0;  ///< vertices in media so far, this one included
   int count = 0;     ///< number of vertices that `previous` leads to, this one included
-  const LightVertex* previous = nullptr;  ///< the vertex before it that may be connected
+  const LightVertex* previous = nullptr;  ///< previous vertex of the path that may be connected
 };
 
 /// Storage of the vertices of a batch of light paths, made in place: earlier ones stay where they are.
@@ -134,7 +134,7 @@ public:
     return (present_[path] = new (room.bytes) LightVertex<L>(make))->vertex;
   }
   BasicVertex<Space::any, L>& operator[](int path) { return present_[path]->vertex; }
-  /// The present vertex of a path.
+  /// The present vertex of a path in the batch.
   LightVertex<L>& present(int path) { return *present_[path]; }
 
 private:

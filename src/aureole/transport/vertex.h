@@ -12,7 +12,7 @@
 namespace aureole {
 
 /// The scenes that code is compiled for: `empty` has no media, no bodies with a rank, no surfaces that touch bodies and no edges that
-/// diffract light, so that paths among its surfaces need not ask for them at every step.
+/// diffract light, so that paths among its surfaces need not test for them at every step.
 enum class Space { empty, any };
 inline Space space_of(const Scene& scene) {
   return scene.has_media() || scene.diffraction() || scene.outline_edges() ? Space::any : Space::empty;
@@ -22,25 +22,26 @@ inline Space space_of(const Scene& scene) {
 template <class L>
 struct BasicResponse {
   typename L::Weight value;
-  Spectrum pdf;  ///< of `scatter` for that direction [1/sr] per wavelength
+  Spectrum pdf;  ///< pdf with which `scatter` would sample the direction [1/sr], per wavelength
 };
 using Response = BasicResponse<Unpolarised>;
 
 /// A direction sampled at a vertex.
 template <class L>
 struct BasicScatter {
-  Vec3 d;  ///< in the world, unit length
+  Vec3 d;  ///< unit direction in world space
   typename L::Weight value;
-  Spectrum
-      transmittance;  ///< set instead of `value` where the path crosses the surface: over its probability
-  Spectrum pdf;       ///< per wavelength: a density [1/sr], or where `delta` a probability (mass)
+  /// used instead of `value` where the path crosses the surface: transmittance over the probability of
+  /// crossing
+  Spectrum transmittance;
+  Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `delta` a probability (mass)
   bool delta;
   float eta;  ///< index of refraction of the medium that d leads into over that of where the path comes from
 };
 using Scatter = BasicScatter<Unpolarised>;
 
-/// A point of a surface as a path sees it that comes from the direction `to_previous`, with the checks that
-/// keep light from leaking through a shading normal's wrong side. Made in place, since the context of its
+/// A point of a surface on a path that arrives from the direction `to_previous`, with the checks that keep
+/// light from leaking through the wrong side of a shading normal. Made in place, since the context of its
 /// BSDF refers to its point.
 template <class L>
 class SurfaceVertex {
@@ -55,7 +56,7 @@ public:
 
   const SurfacePoint& point() const { return point_; }
   const Surface& surface() const { return *point_.surface; }
-  /// Which shapes are around the surface decides the refractive index on its outside.
+  /// Sets the index of refraction outside of the surface from the bodies around it.
   void set_exterior(const InteriorList& inside) {
     const Surface* other = inside.filling({&surface(), point_.instance}).surface;
     if (other && other->bsdf->interior_index(context_.wavelengths, exterior_))
@@ -64,7 +65,7 @@ public:
   const Light* light() const { return point_.surface->light; }
   RayOrigin origin() const { return RayOrigin::of(point_); }
 
-  /// To be called before the functions below. `key` is for stochastic BSDFs.
+  /// Must be called before the functions below. `key` is for stochastic BSDFs.
   void prepare(std::uint32_t key) {
     context_.key = key;
     wi_ = point_.shading.to_local(to_previous_);
@@ -90,7 +91,7 @@ public:
     return true;
   }
 
-  /// Pdf of the reversed event, in the other mode of transport: of a path that arrives along -d and is
+  /// Pdf of the reversed event in the other mode of transport: a path arrives along -d and is
   /// scattered towards the previous vertex. For a direction that `respond` accepts.
   Spectrum reverse_pdf(const Vec3& d) const {
     BsdfContext reverse = context_;
@@ -134,7 +135,8 @@ public:
 private:
   [[gnu::noinline]] void enter(const BsdfSample& s, BasicScatter<L>& out) const {
     out.value = typename L::Weight(s.value);
-    // In importance mode light falls on the geometric surface, while the BSDF counts it on the shading one.
+    // In importance mode the irradiance refers to the geometric surface, while the BSDF's cosine refers to
+    // the shading normal.
     if (context_.mode == TransportMode::importance)
       out.value = out.value.scaled(wi_side_ != 0 ? std::abs(wi_.z / wi_side_) : 0.f);
     out.pdf = s.pdf;
@@ -142,14 +144,14 @@ private:
     out.eta = 1;
   }
 
-  /// The BSDF's scalar value for the direction `d` as a map of light.
+  /// Lifts the BSDF's scalar value for the direction `d` to a map of light.
   typename L::Weight lift(const Spectrum& value, const Vec3& d) const {
     if (context_.mode == TransportMode::radiance) return L::lift(value, point_.p, -d, to_previous_);
     return L::lift(value * correction(d), point_.p, -to_previous_, d);
   }
 
-  /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
-  /// it.
+  /// Whether both normals agree: reflection (in the shading frame) must stay on the geometric side that light
+  /// came from, transmission must change it.
   bool is_consistent(const Vec3& wo, const Vec3& d) const {
     return (wi_.z * wo.z > 0) == (wi_side_ * dot(point_.ng, d) > 0);
   }
@@ -164,12 +166,13 @@ private:
   const SurfacePoint point_;
   BsdfContext context_;
   Vec3 to_previous_;
-  Vec3 wi_;            ///< to_previous_ in the shading frame
-  Spectrum exterior_;  ///< where the context refers to it
-  float wi_side_ = 0;  ///< its cosine with the geometric normal
+  Vec3 wi_;  ///< to_previous_ in the shading frame
+  /// index of refraction outside of the surface, stored here since the context refers to it
+  Spectrum exterior_;
+  float wi_side_ = 0;  ///< cosine of the direction to the previous vertex with the geometric normal
 };
 
-/// A point of a medium as a path sees it that comes from the direction `to_previous`.
+/// A point of a medium on a path that arrives from the direction `to_previous`.
 template <class L>
 class MediumVertex {
 public:
@@ -233,7 +236,7 @@ public:
       : medium_(point, to_previous, w, mode), in_medium_(true) {}
 
   bool is_surface() const { return !in_medium(); }
-  /// These three are for vertices on surfaces.
+  /// The vertex as a surface vertex; only for vertices on surfaces, as the two functions below.
   const SurfaceVertex<L>& on_surface() const { return surface_; }
   const SurfacePoint& point() const { return surface_.point(); }
   const Surface& surface() const { return surface_.surface(); }
@@ -254,23 +257,24 @@ public:
   bool needs_choice() const {
     return in_medium() ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
   }
-  /// Turns the ray that has ended here into one that leaves along `d`. `has_media`: more than the ray is
-  /// needed (`Scene::has_media`).
+  /// Turns the ray that has ended here into one that leaves along `d`. `has_media`: the medium and the
+  /// interior list are updated as well (`Scene::has_media`).
   void leave(const Vec3& d, bool has_media, RayState& state) const {
     if (has_media && !in_medium()) state.pass(surface_.point(), state.ray.d, d);
     const RayOrigin from = origin();
     state.ray = from.spawn(d);
     if (has_media) state.offset = from.offset(state.ray);
   }
-  /// The state of a ray that leaves along `d`, without that ray; `state` has led here.
+  /// The state of a ray that leaves along `d`, except for the ray itself. `state` belongs to the ray that led
+  /// to the vertex.
   RayState leaving(const Vec3& d, const RayState& state) const {
     RayState leaving = state;
     if (!in_medium()) leaving.pass(surface_.point(), state.ray.d, d);
     return leaving;
   }
 
-  /// To be called before the functions below, for a surface. `key` is for stochastic BSDFs.
-  /// `state` is that of the ray that has led here.
+  /// Must be called before the functions below for a vertex on a surface. `key` is for stochastic BSDFs.
+  /// `state` belongs to the ray that led to the vertex.
   void prepare(std::uint32_t key, const RayState& state) {
     surface_.prepare(key);
     if (kSpace == Space::any && surface().rank != 0)

@@ -73,7 +73,7 @@ public:
     if (kAny && in.scene.has_contacts()) contacts_.resize(kBatch);
   }
 
-  // For the driver:
+  // Functions that the driver calls:
   const Ray& ray(int i) const { return states_[i].segment.ray; }
   const Wavelengths& wavelengths(int i) const { return paths_[size_t(i)].wavelengths; }
   bool needs_march() const {
@@ -82,9 +82,10 @@ public:
   std::uint32_t connection_key(int i) {
     return key(self().samples(i), states_[i].vertex, Stream::connection);
   }
-  /// How many surfaces the k-th connection may cross that count for the limit of segments.
+  /// Number of surfaces that the k-th connection may cross, of those that count for the limit of segments.
   int crossings_left(int i, int k) { return crossings_beside(i, 2 + self().further_segments(i, k)); }
-  /// As `crossings_left`, for what the ray itself leads to.
+  /// Number of surfaces that the present ray may cross before a light, of those that count for the limit of
+  /// segments.
   int crossings_before_light(int i) const { return crossings_beside(i, 1); }
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
   Event arrive(int i, const RayTracer::Hit& hit);
@@ -99,7 +100,7 @@ public:
     if constexpr (kDiffracts) edges_.connect(self(), vertices);
   }
 
-  // For `EdgeWalk`:
+  // Functions that `EdgeWalk` calls:
   const Scene& scene() const { return scene_; }
   const PathLimits& limits() const { return limits_; }
   Path& path(int i) { return paths_[size_t(i)]; }
@@ -143,7 +144,7 @@ public:
           .film = film});
   }
 
-  // Hooks, see above:
+  // Hooks, which are described at the top of this file:
   SampleStream& samples(int i) { return paths_[size_t(i)].samples; }
   Spectrum* emission_in_media(int) { return nullptr; }
   EmissionSampling emission_sampling(int) { return {}; }
@@ -152,7 +153,7 @@ public:
   void at_vertex(int) {}
   void extend(int i, const Scatter& b) { states_[i].density.extend(b.value, b.pdf, b.delta); }
   void scattered(int, const Scatter&) {}
-  /// Segments beyond the k-th connection.
+  /// Number of segments that a path has beyond its k-th connection.
   int further_segments(int, int) const { return 0; }
   bool follows_last(int) const { return false; }
   bool may_cut_ray(int) const { return true; }
@@ -165,11 +166,12 @@ protected:
   Self& self() { return static_cast<Self&>(*this); }
   const Self& self() const { return static_cast<const Self&>(*this); }
   bool has_media() const { return kAny && scene_.has_media(); }
-  /// How many further crossings the limit leaves to a path with so many segments more than scattering events.
+  /// Number of crossings that the limit still allows to a path with `further` more segments than scattering
+  /// events.
   int crossings_beside(int i, int further) const {
     return limits_.crossings_left(states_[i].depth + states_[i].crossed + further);
   }
-  /// Whether paths count that have so many segments more than scattering events.
+  /// Whether paths with `further` more segments than scattering events count.
   bool reaches(int i, int further) const {
     return limits_.reaches(states_[i].depth + states_[i].crossed + further);
   }
@@ -180,7 +182,8 @@ protected:
     if constexpr (kAny)
       if (begins) segment.begin();
   }
-  /// False for null surfaces without a light, which only lie within a segment.
+  /// Whether a vertex ends its segment: false for null surfaces without a light, which only lie within a
+  /// segment.
   static bool ends_segment(const Vertex& vertex) {
     return vertex.light() || has(vertex.surface().lobes, Lobe::reflect | Lobe::transmit);
   }
@@ -197,7 +200,7 @@ protected:
   struct Emitted {
     LightChoice choice;
     EmittedRay ray;
-    float pdf;  ///< of position and direction, with the choice of the light
+    float pdf;  ///< pdf of position and direction, times the probability of choosing the light
   };
   /// Begins a light path by `u`, two numbers that choose the light; nothing where it carries no light.
   /// `probability`: of starting at a light at all.
@@ -211,7 +214,7 @@ protected:
   typename Kind::Vertices vertices_;
 
 private:
-  /// Throughput relative to that at the start of the path, without the n^2 of radiance.
+  /// Throughput relative to the start of the path, without the factor n^2 of radiance in a medium of index n.
   float relative(int i, const Density& density) const {
     const State& s = states_[i];
     const float throughput = density.hero_symmetric_throughput() * s.eta2;
@@ -243,8 +246,9 @@ private:
           .in_medium = s.segment.medium});
   }
 
-  std::vector<Contact> contacts_;  ///< of the vertices, in scenes with surfaces that touch
-  PathList below_;                 ///< paths that were refracted into a surface with a BSSRDF
+  std::vector<Contact>
+      contacts_;    ///< contacts at the vertices of the paths, in scenes with surfaces that touch
+  PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
   EdgeWalk edges_;
 };
 
@@ -279,7 +283,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
       go_on(i, vertex, s.segment.ray.d, false);
       return Event::crossed;
     }
-  // A hidden light lies within the segment, as an inactive surface does.
+  // A light that `hide_emitters` makes invisible lies within the segment, as an inactive surface does.
   const bool is_hidden = kFromSensor && limits_.hide_emitters && s.depth == 0 && vertex.light();
   if constexpr (kAny)
     if (!is_hidden && ends_segment(vertex)) edges_.attenuate(self(), i, s.segment.behind);
@@ -300,7 +304,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
       return Event::blocked;
     }
   }
-  // A surface with a null component is treated as a null surface here.
+  // Without media and contacts, a surface with a null component is treated as a null surface here.
   if constexpr (kAny)
     if (!vertex.is_passable() && !edges_.arrive(self(), i, vertex.p())) return Event::blocked;
   s.pairs = self().samples(i).directions(++s.vertex);
@@ -368,7 +372,8 @@ Event Walk<Self, Kind>::escape(int i) {
   return Event::escape;
 }
 
-// `scatter` is called once, and large: GCC would not inline it (1 % of a path's instructions).
+// The attribute inlines `scatter`, which is called once and large: GCC would not inline it (1 % of a path's
+// instructions).
 template <class Self, class Kind>
 [[gnu::always_inline]] inline bool Walk<Self, Kind>::scatter(int i) {
   State& s = states_[i];
@@ -405,7 +410,7 @@ template <class Self, class Kind>
     s.emission_counted = false;
     edges_.scatter(self(), i, b.delta);
     self().extend(i, b);
-    // Like Russian roulette, a choice that no MIS weight knows.
+    // The choice between an edge and a BSDF direction is in no MIS weight, like Russian roulette.
     if (to_edge > 0) s.density.survive(1 - to_edge);
   } else {
     self().extend(i, b);
@@ -438,7 +443,7 @@ bool Walk<Self, Kind>::survives(int i) {
     s.density.survive(survival);
   }
   if constexpr (!kFromSensor) return true;
-  // The last ray can only find emission.
+  // Whether the last ray of a path counts, which can only find emission.
   bool finds_emission = true;
   if constexpr (kAny) finds_emission = !s.emission_counted;
   return reaches(i, 2) || (finds_emission && scene_.may_meet_emitter(s.segment.ray));

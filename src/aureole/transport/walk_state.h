@@ -25,29 +25,31 @@ struct WalkStateInSpace {
   int in_media = 0;  ///< scattering events in media
   /// Emission along the present ray, including behind null surfaces, has already been counted.
   bool emission_counted = false;
-  bool is_connected =
-      false;  ///< the first connection of the vertex, with a light or the sensor, was not occluded
-  float first_throughput =
-      1;  ///< throughput at the start of the path: Russian roulette uses throughput relative to it
+  /// the first connection of the vertex, with a light or the sensor, was not occluded
+  bool is_connected = false;
+  /// throughput at the start of the path: Russian roulette uses throughput relative to it
+  float first_throughput = 1;
   DiffractionState diffraction;
 };
 struct WalkStateInEmptySpace {};
 
 template <Space kSpace, class Density>
 struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, WalkStateInEmptySpace> {
-  Segment segment;  ///< with the present ray
-  Density density;  ///< up to and including the direction of the present ray
-  LightReference
-      from;  ///< the vertex that the present ray has left, from which connections may have found what it hits
+  Segment segment;  ///< segment of the present ray
+  Density density;  ///< throughput and pdfs up to and including the direction of the present ray
+  /// the vertex that the present ray has left, from which connections may have sampled the light that the ray
+  /// hits
+  LightReference from;
   int depth = 0;    ///< scattering events so far
   int crossed = 0;  ///< crossings of surfaces that count for the limit of segments
-  int vertex = 0;   ///< number of the present vertex in the random numbers; crossed surfaces count
+  /// number of the present vertex as counted for random numbers, which includes crossed surfaces
+  int vertex = 0;
   const float* pairs = nullptr;  ///< random numbers of the present vertex
   float eta2 = 1;  ///< squared index of refraction of the present medium over the sensor's: undoes the n^2 of
                    ///< radiance for Russian roulette; 1 in light paths
-  bool last =
-      false;  ///< paths from the sensor: the present surface may only be crossed; light paths: the limit ends
-              ///< the path after this vertex
+  /// paths from the sensor: the present surface may only be crossed; light paths: the limit ends the path
+  /// after this vertex
+  bool last = false;
 };
 
 }  // namespace aureole

@@ -11,8 +11,8 @@ namespace aureole {
 
 class ConstantVolume : public Volume {
 public:
-  /// `value` must not vary in space. With `to_box` the volume has a box, outside which a medium with this
-  /// extinction is empty; the value holds outside, too.
+  /// `value` must not vary in space. With `to_box` the volume has a box: a medium with this extinction is
+  /// empty outside of the box, although the volume keeps its value there.
   ConstantVolume(const Properties& properties, TexturePtr value, std::optional<Transform> to_box = {})
       : Volume(properties), value_(std::move(value)), to_box_(std::move(to_box)) {}
 

@@ -16,7 +16,7 @@
 namespace aureole {
 namespace {
 
-/// The axes that a name of three letters may state, each by the direction of increasing coordinates.
+/// Names of three letters for the space of the axes, each letter the direction of increasing coordinates.
 const std::vector<std::string> kSpaces = {"file", "RAS", "LPS", "LAS", "RAI", "LPI", "LAI", "RPS", "RPI"};
 
 ScalarGridOptions read_options(const Properties& p) {
@@ -127,7 +127,7 @@ private:
     const double count = double(grid.size[0]) * grid.size[1] * grid.size[2];
     if (channels != 1)
       require_memory(p, count * (colors ? sizeof(UpsampledColor) : sizeof(float) * std::size_t(channels)));
-    // Raw numbers are what the file says; .vol files keep the treatment that scenes of media rely on.
+    // A raw file's numbers are used as they are; .vol files keep the treatment that scenes of media rely on.
     const bool is_exact = raw && grid.has_transform && grid.format != ".vol";
     const bool is_denoised = colors || (channels == 1 && !is_exact);
     const std::array<float, 2> range = grid.range();
@@ -152,7 +152,7 @@ private:
           Numbers bricks(
               stored->size, repeats(), [&](int x, int y, int z) { return stored->value(x, y, z); },
               [](auto&&...) { return std::optional<float>(); });
-          stored_.store(nullptr);  // numbers in memory are held once
+          stored_.store(nullptr);  // the numbers are held in memory only once
           return bricks;
         } catch (const Error& problem) {
           throw properties().error(parameter, problem.message());
@@ -224,7 +224,8 @@ private:
     set(Colors(grid.size, repeats(), color, [](auto&&...) { return std::optional<UpsampledColor>(); }));
   }
 
-  std::atomic<std::shared_ptr<const ScalarGrid>> stored_;  ///< of one number at each voxel, as in the file
+  std::atomic<std::shared_ptr<const ScalarGrid>>
+      stored_;  ///< grid of one number at each voxel, as stored in the file
 };
 
 std::vector<ParameterDoc> rows() {

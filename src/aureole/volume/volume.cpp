@@ -61,7 +61,7 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
                            fmt::format("needs one number or a colour at each point, but the volume has {} "
                                        "numbers that are no colours",
                                        volume->channels()));
-  constexpr float kTolerance = 1e-4f;  // for the rounding of upsampled colours
+  constexpr float kTolerance = 1e-4f;  // margin for the rounding of upsampled colours
   if (volume->minimum() < 0)
     throw properties.error(
         name, fmt::format("must not be negative, but the volume goes down to {:.6g}", volume->minimum()));

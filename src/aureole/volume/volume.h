@@ -33,8 +33,9 @@ public:
   virtual int channels() const { return 1; }
   virtual void eval_channels(const Vec3& p, float* out) const { *out = eval_scalar(p); }
 
-  /// Returns the volume with its numbers, colours and spectra interpreted in that role (`SpectrumRole`). Null
-  /// if all values are numbers or upsampled colours, which `get_volume` multiplies by CIE D65 for emission.
+  /// Returns the volume with its numbers, colours and spectra interpreted in the given role (`SpectrumRole`).
+  /// Null if all values are numbers or upsampled colours, which `get_volume` multiplies by CIE D65 for
+  /// emission.
   virtual std::shared_ptr<const Volume> in_role(SpectrumRole) const { return nullptr; }
 
   /// Notes at which wavelengths of the film the spectrum of the volume has no data, see `Texture::note_ends`.
@@ -57,8 +58,8 @@ public:
   }
   virtual Spectrum envelope(const Wavelengths& /*w*/) const { return 1.f; }
 
-  /// Returns the numbers as their file stores them, for a volume of one number at each voxel whose values are these and
-  /// whose voxels fill the box; else null.
+  /// Returns the numbers as their file stores them, for a volume that has one number at each voxel, uses
+  /// these numbers as its values, and whose voxels fill the box; else null.
   virtual std::shared_ptr<const ScalarGrid> stored_grid() const { return nullptr; }
   /// Makes the tables of `eval` and `bound` that are otherwise made at their first call. Throws a located Error.
   virtual void prepare() const {}
@@ -69,7 +70,7 @@ using VolumePtr = std::shared_ptr<const Volume>;
 /// excludes (a reflectance above 1, negative values) are errors located at the parameter, and so is a volume
 /// of several numbers per point.
 VolumePtr get_volume(const Properties& properties, std::string_view name, double fallback, SpectrumRole role);
-/// Returns it as `get_volume` does, or null if absent.
+/// Returns the volume, spectrum or number of a parameter as `get_volume` does, or null if absent.
 VolumePtr get_optional_volume(const Properties& properties, std::string_view name, SpectrumRole role);
 
 }  // namespace aureole

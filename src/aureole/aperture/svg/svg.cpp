@@ -24,7 +24,7 @@ std::string_view local_name(const pugi::xml_node& node) {
   return name;
 }
 
-/// Reads the shapes of a document, with what they need of its root.
+/// Reads the shapes of a document; it holds the attributes of the root that shapes depend on.
 class SvgReader {
 public:
   SvgReader(const pugi::xml_document& document, SvgOutline& outline)
@@ -131,7 +131,7 @@ void SvgReader::visit(const pugi::xml_node& node, const SvgTransform& outer, int
     if (add_shape(node)) return;
     if (name == "use") return use(node, transform, depth);
   } catch (const Error& problem) {
-    if (problem.message().starts_with('<')) throw;  // located within a <use>
+    if (problem.message().starts_with('<')) throw;  // the message already names the element within a <use>
     const char* id = node.attribute("id").value();
     throw Error("<" + std::string(name) + ">" + (*id ? " \"" + std::string(id) + "\"" : "") + " at byte " +
                 std::to_string(node.offset_debug()) + ": " + problem.message());
@@ -152,7 +152,8 @@ std::vector<optics::Ring> read_svg_rings(const std::filesystem::path& file) {
   try {
     text = read_text_file(file, kMaxBytes);
   } catch (const Error& problem) {
-    throw Error(problem.what());  // the parameter that names the file is the location
+    // without a location, so that the error is located at the parameter that names the file
+    throw Error(problem.what());
   }
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer_inplace(text.data(), text.size());

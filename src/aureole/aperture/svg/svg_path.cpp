@@ -170,7 +170,8 @@ void SvgOutline::arc_to(double rx, double ry, double degrees, bool large, bool p
   const double stretch = std::sqrt(std::max(1.0, length2));
   rx *= stretch, ry *= stretch;
   const double off = std::sqrt(std::max(0.0, 1 / length2 - 1)) * (large == positive ? -1 : 1);
-  // In units of the half axes: the centre is off (y, -x), the start (x, y) from the middle.
+  // The centre in units of the half axes: it is at (off y, -off x), the start at (x, y) from the middle of
+  // the chord.
   const PlanePoint center{off * y, -off * x};
   const PlanePoint unit{x / stretch, y / stretch};
   const double from = std::atan2(unit.y - center.y, unit.x - center.x),
@@ -232,7 +233,7 @@ void SvgOutline::add_polygon(std::string_view points) {
 
 void SvgOutline::add_path(std::string_view data) {
   Reader in(data);
-  char previous = '\0';  // in upper case
+  char previous = '\0';  // the last command, in upper case
   PlanePoint last_control;
   while (in.skip(" \t\r\n,")) {
     const std::size_t begin = in.at();
@@ -292,7 +293,7 @@ void SvgOutline::add_path(std::string_view data) {
           arc_to(rx, ry, degrees, large, positive, point());
         }
       }
-      // Relative steps accumulate.
+      // The bound is checked at each step, since relative steps accumulate.
       if (!(std::abs(current_.x) <= 1e12 && std::abs(current_.y) <= 1e12))
         in.fail("the path leaves the range");
       previous = command;
@@ -330,7 +331,8 @@ std::vector<optics::Ring> SvgOutline::flattened(double tolerance) const {
        [&](PlanePoint start, const Segment& s) {
          int pieces = 1;
          if (s.is_curve && allowed > 0) {
-           // A chord over dt deviates by at most dt^2/8 max|p''|; p'' is linear between 6 times these.
+           // A chord over a step dt deviates from the curve by at most dt^2/8 max|p''|; p'' varies linearly
+           // between 6 d0 and 6 d1.
            const PlanePoint d0 = start - 2 * s.control1 + s.control2,
                             d1 = s.control1 - 2 * s.control2 + s.end;
            const double bend = std::max(std::hypot(d0.x, d0.y), std::hypot(d1.x, d1.y));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr float kMinCosine = 1e-3f;
-/// The factor N near grazing angles, where the approximation ends.
+/// Upper bound of the factor N near grazing angles, where the approximation fails.
 constexpr float kMaxFactor = 4;
 
 double largest_phase(const CapLayer& layer, const SpectralGrid& grid) {
@@ -37,14 +37,14 @@ CapTables::CapTables(const CapLayer& layer, const SpectralGrid& grid)
       first_(1 / grid.max_nm),
       scale_((kWavelengthNodes - 1) / (1 / grid.min_nm - 1 / grid.max_nm)),
       structure_([&](double u) { return layer.structure->eval(u) - 1; }, 1024, false),
-      // The normal components of both directions differ at most by the index of the scatterers.
+      // The normal components of both directions differ at most by the index of refraction of the scatterers.
       scatterer_(layer.profile, layer.sizes, 2 * largest_phase(layer, grid),
                  largest_phase(layer, grid) * layer.height * largest_index(layer, grid), for_ranges) {
   density_ = float(layer.area_fraction / (std::numbers::pi * scatterer_.mean_square()));
   waves_.reserve(kWavelengthNodes);
   for (int node = 0; node < kWavelengthNodes; ++node) {
     const Light l = node_light(node);
-    // The phases of light that arrives or leaves along the normal, and of light that passes at 60 degrees.
+    // Radial distributions for light that arrives or leaves along the normal, and for light at 60 degrees.
     const auto radial = [&](double u) {
       const float p = std::min(float(u) / l.phase, 0.99f), c = std::sqrt(1 - p * p),
                   w = std::sqrt(std::max(l.index * l.index - p * p, 0.f)),
@@ -132,7 +132,7 @@ void CapTables::sum_scattered(int node) {
         const float v = us[k] / l.phase, x = v * cosines[k] - sine, y = v * sines[k], square = x * x + y * y;
         if (!(square < 1)) continue;
         const float z = std::sqrt(1 - square);
-        // The density of u over its plane is the distribution's over 2 pi.
+        // The density over the plane of u is the radial distribution over 2 pi.
         const double value =
             scale * double(intensity(l, pair(wi, {x, y, side == 0 ? -z : z}))) / double(densities[k]);
         const float position = std::min(std::sqrt(z) * kCosines, kCosines - 1e-3f);

@@ -34,40 +34,41 @@ namespace aureole {
 /// A layer as a scene describes it.
 struct CapLayer {
   optics::PhaseProfile profile;
-  double radius_nm = 0;  ///< of the base; the median, if sizes differ
-  double height = 0;     ///< over that radius
+  double radius_nm = 0;  ///< radius of the base; the median radius, if sizes differ
+  double height = 0;     ///< height of a cap over the radius of its base
   double area_fraction = 0;
   optics::SizeDistribution sizes;
-  std::shared_ptr<const optics::StructureFactor> structure;  ///< at area_fraction
-  std::function<double(double nm)> medium;                   ///< index outside
-  std::function<double(double nm)> relative_index;           ///< index of the scatterers over that outside
-  std::function<double(double nm)> transmittance;            ///< of a scatterer, by absorption
+  std::shared_ptr<const optics::StructureFactor> structure;  ///< structure factor at area_fraction
+  std::function<double(double nm)> medium;                   ///< index of refraction outside
+  /// index of refraction of the scatterers over the index outside
+  std::function<double(double nm)> relative_index;
+  std::function<double(double nm)> transmittance;  ///< transmittance of a scatterer, reduced by absorption
 };
 
 class CapTables {
 public:
-  /// Throws std::domain_error if the tables would be too large.
+  /// Computes the tables of a layer. Throws std::domain_error if the tables would be too large.
   CapTables(const CapLayer& layer, const SpectralGrid& grid);
 
   /// Properties of the layer for light of one wavelength.
   struct Light {
     float phase;      ///< k a
-    float index;      ///< of the scatterers over that outside
+    float index;      ///< index of refraction of the scatterers over the index outside
     float amplitude;  ///< square root of the transmittance
     float node;       ///< position of the wavelength between the nodes of the tables
   };
   Light light(float nm, float medium, float relative_index, float transmittance) const;
 
-  /// The parts of light that arrives from one side at a cosine.
+  /// Fractions into which the layer divides light that arrives from one side at a cosine.
   struct Shares {
     float undiffracted, scattered, turned_back;
   };
   Shares shares(const Light& light, bool from_caps, float cosine) const;
 
-  /// Returns f |cos o| of light that passes the layer.
+  /// Returns f |cos o| of light that is transmitted through the layer.
   float scattered(const Light& light, const Vec3& wi, const Vec3& wo) const;
-  /// Returns f |cos o| of light that is turned back; the sides of both directions are the same, and `share` is the
-  /// part `turned_back` of light from wi.
+  /// Returns f |cos o| of light that is turned back. Both directions lie on one side, and `share` is the
+  /// fraction `turned_back` of light from wi.
   float turned_back(const Light& light, float share, const Vec3& wo) const;
 
   /// Samples a direction of scattered light; false if it is evanescent.
@@ -86,7 +87,7 @@ private:
     float cos_caps, cos_flat;
   };
   static Pair pair(const Vec3& wi, const Vec3& wo);
-  /// Returns U + C S', over a^4, of a pair of directions.
+  /// Returns (U + C S')/a^4 for a pair of directions (definitions above).
   float intensity(const Light& light, const Pair& pair) const;
   float structure(float u) const { return std::max(1 + structure_.eval(u * structure_scale_), 0.f); }
   Light node_light(int node) const;
@@ -98,13 +99,14 @@ private:
 
   CapLayer layer_;
   float covered_, density_, height_, structure_scale_;
-  double phase_nm_, first_, scale_;  ///< node = (1/nm - first) scale
+  double phase_nm_, first_, scale_;  ///< the node of a wavelength is (1/nm - first) scale
   optics::RadialFunction structure_;
   optics::PhaseScatterer scatterer_;
-  std::vector<optics::RadialDistribution> waves_;  ///< of u, one for each node of the wavelength
-  std::vector<float> passing_;                     ///< [node][side][cosine]
-  std::vector<float> reduction_;                   ///< the factor s of a direction, [node][side][cosine]
-  std::vector<float> mean_back_;                   ///< <L>, [node][side]
+  std::vector<optics::RadialDistribution>
+      waves_;                     ///< radial distributions of u, one for each wavelength node
+  std::vector<float> passing_;    ///< fraction that passes undiffracted, by [node][side][cosine]
+  std::vector<float> reduction_;  ///< the factor s of a direction, [node][side][cosine]
+  std::vector<float> mean_back_;  ///< mean <L>, by [node][side]
 };
 
 }  // namespace aureole

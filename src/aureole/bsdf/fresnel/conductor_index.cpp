@@ -48,7 +48,7 @@ ConductorIndex ConductorIndex::from(const Properties& properties) {
       };
       if (const auto radio = radio_index(properties, "material", material)) return take(*radio);
       const auto index = find_refractive_index(material, false);
-      // Dielectrics are constants without dispersion; other BSDFs use them.
+      // Dielectrics have constant indices without dispersion; they belong to other BSDFs.
       if (!index || !index->is_dispersive())
         throw properties.error("material", "\"" + material + "\" is not a known conductor" +
                                                did_you_mean_or_all(material, conductor_names()));

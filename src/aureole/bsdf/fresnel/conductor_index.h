@@ -24,8 +24,8 @@ private:
   void tabulate_diffuse();
 
   bool tabulated_ = false;
-  SampledSpectrum eta_, k_, diffuse_;   // for a named or constant material
-  TexturePtr eta_texture_, k_texture_;  // if one of them varies over the surface
+  SampledSpectrum eta_, k_, diffuse_;   // spectra of a named or constant material
+  TexturePtr eta_texture_, k_texture_;  // textures, if an index varies over the surface
 };
 
 /// Returns the documentation of the parameters that conductors share: material, eta, k and

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plane on which the scatterers of `correlated_scatterers` lie. It is defined inline, since `reflectance`
-// is part of every evaluation.
+// The plane on which the scatterers of `correlated_scatterers` lie. Its functions are inline, since
+// `reflectance` is part of every evaluation.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace aureole {
 class LayerSubstrate {
 public:
   enum class Kind {
-    none,       ///< a sheet in one medium, without reflection
+    none,       ///< no interface: a sheet in one medium, without reflection
     interface,  ///< the interface of two media
     pane,       ///< both faces of a pane as one surface, with one medium on both sides
   };
@@ -32,8 +32,9 @@ public:
   /// The indices of refraction for light from one side.
   struct Indices {
     Spectrum here, beyond;
-    Spectrum inside;  ///< behind the first interface; for a pane its glass, while `beyond` is the exterior
-                      ///< again
+    /// index behind the first interface; for a pane the index of its glass, while `beyond` is the exterior
+    /// again
+    Spectrum inside;
   };
   /// Returns the indices for the side where a direction has the sign of `z`.
   Indices indices(float z, const Wavelengths& w) const {
@@ -52,13 +53,15 @@ public:
     return kind_ == Kind::pane ? thin_slab(r) : r;
   }
 
-  /// Samples reflection or transmission of undiffracted light at the plane, chosen by the reflectance: the hero's at
-  /// an interface, the mean of the wavelengths' at a pane. `weight` scales the values, `mass` the probabilities.
+  /// Samples reflection or transmission of undiffracted light at the plane, chosen by the reflectance, which
+  /// is the hero's at an interface and the mean over the wavelengths at a pane. `weight` scales the values,
+  /// `mass` the probabilities.
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, float weight, float mass,
                                    const BsdfContext& ctx) const;
-  /// Whether undiffracted light that passes goes straight on.
+  /// Whether transmitted undiffracted light is not deflected.
   bool is_passable() const { return kind_ != Kind::interface; }
-  /// Fraction of the light from wi that passes and goes straight on; 0 at an interface, which refracts it.
+  /// Fraction of the light from wi that is transmitted without deflection; 0 at an interface, which refracts
+  /// it.
   Spectrum straight(const Vec3& wi, const BsdfContext& ctx) const;
 
 private:

@@ -25,8 +25,8 @@ struct LayerRanges {
 
 struct LayerTables {
   std::shared_ptr<const ScattererModel> model;
-  std::shared_ptr<const ScattererSampler> sampler;  ///< null: cosine sampling
-  std::optional<ScattererBalance> balance;          ///< for "renormalize"
+  std::shared_ptr<const ScattererSampler> sampler;  ///< sampler of the diffracted wave; null: cosine sampling
+  std::optional<ScattererBalance> balance;          ///< balance of the option "renormalize"
 };
 
 /// `phase_nm`: 2 pi correlation_radius in nm, which is k a times the wavelength. `renormalizable`: whether

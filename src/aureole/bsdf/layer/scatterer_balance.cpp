@@ -10,7 +10,7 @@
 namespace aureole {
 namespace {
 
-/// Scatterers of a smaller k a diffract few rings.
+/// Bound of k a below which scatterers count as small: they diffract few rings.
 constexpr double kSmall = 10;
 
 /// Returns the position, in nodes, of a direction of transverse index p = n sin(theta) in the table of h. h
@@ -86,7 +86,8 @@ void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& tab
                                                     : optics::fresnel_reflectance(cosine, rare, dense);
   };
   constexpr int kReflectanceCells = 4096;
-  std::vector<double> reflectances(kReflectanceCells + 1);  // square roots, uniform in the cosine
+  // Square roots of the reflectance, at equal steps of the cosine.
+  std::vector<double> reflectances(kReflectanceCells + 1);
   for (int i = 0; i <= kReflectanceCells; ++i) {
     const double cosine = double(i) / kReflectanceCells;
     reflectances[i] = std::sqrt(reflectance(rare * std::sqrt(1 - cosine * cosine)));

@@ -35,7 +35,7 @@ private:
   void solve(float* h, const optics::RadialDistribution& table, double phase, double n_ext, double n_int);
 
   LayerSubstrate::Kind substrate_;
-  double phase_nm_, first_, scale_;  // wavelength nodes are uniform in 1/lambda
+  double phase_nm_, first_, scale_;  // table of h, whose wavelength nodes are uniform in 1/lambda
   int wavelength_nodes_;
   std::vector<float> h_;
 };

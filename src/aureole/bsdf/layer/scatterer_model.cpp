@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-constexpr int kStructureEnd = 1024;  // beyond, S' = 1 to 1e-4 or better
+constexpr int kStructureEnd = 1024;  // end of the table in u, beyond which S' = 1 to 1e-4 or better
 constexpr int kTotals = 128;
 /// Largest step of the area fraction between tables of scatterers that overlap. g changes by a fifth over a step
 /// of 0.7, mostly linearly; between nodes the error is below 1e-3 of its peak.
@@ -35,7 +35,8 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   if (!factor->is_isotropic()) {
     anisotropic_ = factor;
     tables_.push_back(std::make_shared<optics::ScattererTable>(*mixture_, extent, factor, for_ranges));
-    double sum = 0;  // of U + C S' over the rings, by Simpson's rule, and of the tail c/u^3 beyond
+    // integral of U + C S' over the rings, by Simpson's rule, and of the tail c/u^3 beyond them
+    double sum = 0;
     constexpr double kStep = 1.0 / 64;
     const int cells = int(table().product_end() / kStep);
     for (int i = 0; i <= cells; ++i)
@@ -78,7 +79,7 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
 void ScattererModel::tabulate_overlapping(double extent) {
   const int cells = varies() ? int(std::ceil((most_ - least_) / kOverlapStep)) : 0;
   for (int i = 0; i <= cells; ++i) {
-    // Without scatterers nothing is diffracted, but g has a limit.
+    // Without scatterers no light is diffracted, but the normalised intensity g has a limit.
     const double fa = std::max(cells > 0 ? std::lerp(least_, most_, double(i) / cells) : most_, 1e-6);
     const optics::ScattererMixture mixture = mixture_->overlapping(fa, for_ranges);
     tables_.push_back(std::make_shared<optics::ScattererTable>(mixture, extent, nullptr, for_ranges));
@@ -110,7 +111,7 @@ ScattererModel::State ScattererModel::at(float area_fraction) const {
   int group = 0;
   while (group + 1 < groups && x > ratios_[std::size_t(group + 1) * degree_]) ++group;
   s.first = group * degree_, s.count = degree_ + 1;
-  for (int i = 0; i < s.count; ++i) {  // Lagrange polynomials
+  for (int i = 0; i < s.count; ++i) {  // weights by Lagrange polynomials
     float w = 1;
     for (int j = 0; j < s.count; ++j)
       if (j != i) w *= (x - ratios_[s.first + j]) / (ratios_[s.first + i] - ratios_[s.first + j]);

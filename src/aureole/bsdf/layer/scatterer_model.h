@@ -30,7 +30,7 @@ public:
   /// The area fraction at a point, and the interpolation weights of the tables' nodes there.
   struct State {
     float area_fraction;
-    float inverse_total;           ///< 1/integral of (U + C S') u du
+    float inverse_total;           ///< normalisation 1/integral of (U + C S') u du
     int first = 0, count = 1;      ///< nodes of the structure factor or, where scatterers overlap, tables
     std::array<float, 4> weights;  ///< weights of these nodes
   };
@@ -57,7 +57,7 @@ public:
     if (may_overlap_) return 1;
     float sum = 0;
     for (int i = 0; i < state.count; ++i) sum += state.weights[i] * structures_[state.first + i].eval(u);
-    // The table of 1/S' - 1, or of S' - 1.
+    // The table stores 1/S' - 1, or S' - 1.
     return inverse_ ? 1 / (1 + sum) : std::max(1 + sum, 0.f);
   }
   Spectrum structure(const State& state, const Spectrum& u) const {
@@ -77,13 +77,13 @@ public:
   bool varies() const { return most_ > least_; }
   double least() const { return least_; }
   double most() const { return most_; }
-  /// Returns the table of all states or, where scatterers overlap, that of a node of the area fraction. Nodes
-  /// are equally spaced from `least` to `most`.
+  /// Returns the table of all states or, where scatterers overlap, the table of a node of the area fraction.
+  /// Nodes are equally spaced from `least` to `most`.
   const optics::ScattererTable& table(int node = 0) const {
     return tables_.size() > 1 ? *tables_[std::size_t(node)] : *tables_.front();
   }
-  /// Returns the number of nodes between which intensities are linear in the area fraction; 1 if S' varies
-  /// instead, or nothing.
+  /// Returns the number of nodes between which intensities are linear in the area fraction; 1 if only S'
+  /// varies with it, or nothing.
   int tables() const { return int(tables_.size()); }
   /// Whether the density over the azimuth is 1 everywhere.
   bool is_isotropic() const { return !table().has_azimuths(); }
@@ -100,9 +100,10 @@ private:
   double least_, most_;
   bool inverse_ = false, may_overlap_, single_ = false;
   int degree_;
-  std::vector<float> ratios_;  ///< Fa/(1 - Fa) at the nodes
+  std::vector<float> ratios_;  ///< ratio Fa/(1 - Fa) at the nodes
   std::vector<optics::RadialFunction> structures_;
-  /// At equal steps of the area fraction; where scatterers overlap, one for each table.
+  /// Values of `State::inverse_total` at equal steps of the area fraction; where scatterers overlap, one for
+  /// each table.
   std::vector<float> inverse_totals_;
 };
 

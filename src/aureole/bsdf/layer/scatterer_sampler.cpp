@@ -55,7 +55,7 @@ ProductSampler::ProductSampler(std::shared_ptr<const ScattererModel> model, bool
       const auto p = table.ring(float(u));
       return double(p.uncorrelated) + double(p.coherent) * double(structure(node, float(u)));
     };
-    // Beyond its end a ring falls as u^-3, and u times the ring as u^-2.
+    // Beyond `end` a ring falls as u^-3, and u times the ring as u^-2.
     radial_.emplace_back([&](double u) { return u * ring(u); }, end, ring(end) * std::pow(end, 3));
   }
 }
@@ -73,7 +73,7 @@ Spectrum ProductSampler::azimuth(int node, const DiffractedWave& u) const {
       make_spectrum([&](int j) { return table.uncorrelated_ring().eval(u.length[j]); });
   Spectrum coherent = make_spectrum([&](int j) { return table.coherent_ring().eval(u.length[j]); });
   if (correlated_) coherent *= model_->structure(nodes_.state(node), u.length);
-  // Consistent with `sample`: where both terms are 0, C is chosen.
+  // The choice is consistent with `sample`: where both terms are 0, C is chosen.
   const Spectrum sum = uncorrelated + coherent;
   const SpectrumMask positive = sum.v > Spectrum(0.f).v;
   const Spectrum share = select(positive, coherent / select(positive, sum, 1.f), 1.f);
@@ -220,7 +220,7 @@ TableSampler::TableSampler(std::shared_ptr<const ScattererModel> model, double e
           }
       },
       8);
-  // A positive floor, so that peaks between the evaluated points are never missed.
+  // The sum gets a positive lower bound, so that peaks between the evaluated points are never missed.
   double total = 0;
   for (const float w : weights) total += double(w);
   for (float& w : weights) w += float(1e-3 * total / double(weights.size()));

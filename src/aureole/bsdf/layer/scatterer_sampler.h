@@ -47,7 +47,7 @@ private:
 /// in a ring are Ū and C̄ S'. Without azimuths it is exact up to the cells of the tables.
 class ProductSampler final : public ScattererSampler {
 public:
-  /// `correlated` false: the density of the shapes alone, S' = 1.
+  /// With `correlated` false it samples the density of the shapes alone, S' = 1.
   ProductSampler(std::shared_ptr<const ScattererModel> model, bool correlated = true);
   Wave sample(const ScattererModel::State&, float& xi, Vec2, double u_max) const override;
   Spectrum density(const ScattererModel::State&, const DiffractedWave&, const Spectrum& u_max) const override;
@@ -64,7 +64,7 @@ private:
   std::shared_ptr<const ScattererModel> model_;
   bool correlated_;
   FractionNodes nodes_;
-  std::vector<optics::RadialDistribution> radial_;  // one for each node
+  std::vector<optics::RadialDistribution> radial_;  // distributions of |u|, one for each node
 };
 
 /// Samples by the shapes or by the structure factor, with equal probability (Yang, Kim, Pediredla & Jarosz,

@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// Lengths in metres. `correlation_radius`: radius of the discs that keep scatterers apart. `largest`: radius
-/// of the circumcircle of the largest scatterer.
+/// The scatterers of a layer, with lengths in metres. `correlation_radius`: radius of the discs that keep
+/// scatterers apart. `largest`: radius of the circumcircle of the largest scatterer.
 struct LayerShapes {
   std::vector<optics::Scatterer> scatterers;
   double correlation_radius, largest;

@@ -9,8 +9,8 @@
 namespace aureole {
 namespace {
 
-/// Solves a t + (b - a) t^2 / 2 = area for t in [0, 1]: the position below which a linear density from a to b has
-/// that integral.
+/// Solves a t + (b - a) t^2 / 2 = area for t in [0, 1]: the position up to which a linear density from a to b
+/// integrates to `area`.
 float solve_linear(float a, float b, float area) {
   const float root = std::sqrt(std::max(a * a + 2 * (b - a) * area, 0.f)), sum = a + root;
   return sum > 0 ? std::clamp(2 * area / sum, 0.f, 1.f) : 0.5f;

@@ -28,7 +28,8 @@ struct SliceNodes {
   std::vector<float> first, second;
 
   std::size_t count() const { return first.size() * second.size(); }
-  /// Parameters outside of the nodes count as those of the nearest node. Slices without weight are left out.
+  /// Interpolation between the nodes around the parameters (a, b). Parameters outside of the nodes are
+  /// clamped to the nearest node. Slices without weight are left out.
   SliceBlend at(float a, float b) const;
 };
 
@@ -50,7 +51,7 @@ public:
 
   struct Point {
     Vec2 p;
-    float pdf = 0;  ///< with respect to the area of the unit square
+    float pdf = 0;  ///< pdf with respect to the area of the unit square
   };
   /// Maps a uniform point of the unit square to a point distributed as the blend of slices.
   Point sample(Vec2 u, const SliceBlend& blend) const;
@@ -63,7 +64,7 @@ public:
   std::size_t bytes() const { return nodes_.size() * sizeof(Node) + rows_.size() * sizeof(Row); }
 
 private:
-  /// A value, and the integral of its row from the left edge to it.
+  /// The value at a node, and the integral of its row from the left edge to the node.
   struct Node {
     float value, cumulated;
   };
@@ -95,7 +96,7 @@ struct GridCell {
   float fraction;
 
   GridCell(float x, int nodes) {
-    // The comparison is false for NaN, too.
+    // The comparison is also false for NaN, which becomes 0.
     const float scaled = x > 0 ? std::min(x, 1.f) * float(nodes - 1) : 0.f;
     index = std::min(int(scaled), nodes - 2);
     fraction = scaled - float(index);

@@ -12,10 +12,10 @@
 namespace aureole {
 namespace {
 
-/// Probability of a cosine-distributed direction: it bounds value / pdf where the table misses something.
+/// Probability of a cosine-distributed direction, which bounds value / pdf where the table misses a lobe.
 constexpr float kCosinePart = 0.05f;
 
-/// The last angle of incidence is not 90 degrees, where nothing is reflected.
+/// Largest angle of incidence of the table, less than 90 degrees, at which nothing is reflected.
 constexpr float kLargestAngle = 0.998f * 0.5f * kPi;
 
 }  // namespace
@@ -46,7 +46,7 @@ HalfVectorDensity::HalfVectorDensity(const Resolution& r,
     for (std::size_t y = 0; y < height; ++y)
       for (std::size_t x = 0; x < width; ++x) {
         const float u = float(x) / float(width - 1), v = float(y) / float(height - 1);
-        // Averages over the cells around a node do not miss a lobe between two nodes.
+        // Each node averages the cells around it, so that no lobe between two nodes is missed.
         float sum = 0;
         for (const float a : {-du, du})
           for (const float b : {-dv, dv}) sum += at(u + a, v + b);

@@ -15,9 +15,9 @@ namespace aureole {
 class HalfVectorDensity {
 public:
   struct Resolution {
-    int angles = 24;              ///< of incidence
-    int azimuths = 1;             ///< of incidence; 1: the surface is isotropic
-    int width = 96, height = 32;  ///< of the square of half vectors
+    int angles = 24;              ///< number of angles of incidence
+    int azimuths = 1;             ///< number of azimuths of incidence; 1: the surface is isotropic
+    int width = 96, height = 32;  ///< nodes of the square of half vectors
   };
   /// `value` returns f |cos theta_o|, averaged over wavelengths, for directions above the surface; it is called from
   /// several threads.

@@ -30,7 +30,7 @@ inline float azimuth_of(const Vec3& w) { return std::copysign(angle_above_axis(s
 /// The angle of a vector from the z axis.
 inline float polar_angle(const Vec3& w) { return angle_above_axis(std::sqrt(w.x * w.x + w.y * w.y), w.z); }
 
-/// The point of a unit vector; v is in [0, 1].
+/// Maps a unit vector to its point of the square; v is in [0, 1].
 inline Vec2 half_vector_to_square(const Vec3& m) {
   return {std::sqrt(polar_angle(m) * (2 * kInvPi)), azimuth_of(m) * (0.5f * kInvPi) + 0.5f};
 }

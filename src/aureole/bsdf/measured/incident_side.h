@@ -7,8 +7,9 @@
 
 namespace aureole {
 
-/// Measured tables are reciprocal but for errors of measurement, so that it matters little. Other renderers take the
-/// direction of view, from which they sample; the instrument's is the direction of the light.
+/// Chooses the direction that looks up a table by its direction of incidence. Tables are reciprocal but for
+/// errors of measurement, so that the choice changes little. Other renderers use the view direction, from
+/// which they sample; the instrument's direction of incidence is the direction of the light.
 class IncidentSide {
 public:
   static IncidentSide from(const Properties& p) {
@@ -22,7 +23,7 @@ public:
         "which direction is the table's direction of incidence: that of the view, as in Mitsuba and Radiance, or that of "
         "the light; without effect on reciprocal tables"};
   }
-  /// Whether the table's direction of incidence is wo, not wi. In radiance mode light arrives from wo.
+  /// Whether wo instead of wi is the table's direction of incidence. In radiance mode light arrives from wo.
   bool is_exchanged(const BsdfContext& ctx) const {
     return is_light_ == (ctx.mode == TransportMode::radiance);
   }

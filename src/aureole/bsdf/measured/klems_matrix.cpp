@@ -27,7 +27,7 @@ std::size_t KlemsPatches::at(float x, float y, float z) const {
   if (!(z > 0)) return count_;
   const float sin2 = x * x + y * y;
   for (const Ring& r : rings_) {
-    // The last ring includes directions that rounding moves beyond 90 degrees.
+    // The last ring includes directions that rounding moves beyond 90 degrees from the normal.
     if (sin2 >= r.upper_sin2 && !(&r == &rings_.back() && r.upper_sin2 > 0.99999f)) continue;
     const float turns = azimuth_of({x, y, 0}) * (0.5f * kInvPi);
     const int cell = int(std::floor((turns < 0 ? turns + 1 : turns) * float(r.azimuths) + 0.5f));
@@ -71,7 +71,7 @@ float KlemsMatrix::mean(std::size_t i, std::size_t o) const {
 }
 
 std::array<float, 3> rgb_of_xyz(double x, double y, double z) {
-  // IEC 61966-2-1.
+  // Matrix from CIE XYZ to linear sRGB (IEC 61966-2-1).
   return {float(3.2404542 * x - 1.5371385 * y - 0.4985314 * z),
           float(-0.9692660 * x + 1.8760108 * y + 0.0415560 * z),
           float(0.0556434 * x - 0.2040259 * y + 1.0572252 * z)};
@@ -79,16 +79,17 @@ std::array<float, 3> rgb_of_xyz(double x, double y, double z) {
 
 KlemsSheet read_klems_sheet(const WindowFile& file, WindowNotes& notes) {
   KlemsSheet sheet;
-  // Reading order: the visible range first, since it says which blocks there are.
+  // Blocks in reading order: the block of the visible range comes first, since it decides which other blocks
+  // are read.
   struct Read {
     const WindowBlock* block;
-    std::vector<double> values;  // incident, outgoing
+    std::vector<double> values;  // matrix by incident and outgoing patch
   };
   std::vector<Read> reads;
   for (const WindowBlock& block : file.blocks) {
     const std::size_t incident = file.basis(block.column_basis, block.where).size(),
                       outgoing = file.basis(block.row_basis, block.where).size();
-    // Columns belong to incident patches; where rows do, the text has them one after the other.
+    // Columns belong to incident patches; where rows do, the file lists the rows one after the other.
     const bool by_rows = file.structure == WindowFile::Structure::rows;
     NumberReader reader(block.data, block.where);
     std::vector<double> values(incident * outgoing);
@@ -132,7 +133,7 @@ KlemsSheet read_klems_sheet(const WindowFile& file, WindowNotes& notes) {
         }
       }
     }
-  // Light passes a sheet in air both ways alike (Helmholtz), so that one direction gives the other.
+  // A sheet in air transmits equally in both directions (Helmholtz), so that one direction gives the other.
   for (const std::size_t side : {std::size_t(0), std::size_t(1)}) {
     KlemsMatrix& missing = sheet.transmission[side];
     const KlemsMatrix& other = sheet.transmission[1 - side];
@@ -143,7 +144,8 @@ KlemsSheet read_klems_sheet(const WindowFile& file, WindowNotes& notes) {
     const std::size_t channels = other.is_coloured ? 3 : 1;
     const std::size_t rows = other.incident.count(), columns = other.outgoing.count();
     missing.values.resize(other.values.size());
-    // Patch k of the incident basis is opposite to patch k of the outgoing one: turn both by 180 degrees.
+    // Patch k of the incident basis is opposite to patch k of the outgoing basis: both are turned by 180
+    // degrees.
     for (std::size_t i = 0; i < rows; ++i)
       for (std::size_t o = 0; o < columns; ++o) {
         const Vec3 out = other.outgoing.sample(o, {0.5f, 0.5f}), in = other.incident.sample(i, {0.5f, 0.5f});

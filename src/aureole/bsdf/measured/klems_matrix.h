@@ -27,7 +27,7 @@ public:
 
 private:
   struct Ring {
-    float lower_sin2, upper_sin2;  ///< squared sines of the angles
+    float lower_sin2, upper_sin2;  ///< squared sines of the angles from the normal that bound the ring
     std::uint32_t first, azimuths;
   };
   const Ring& ring_of(std::size_t patch) const;
@@ -40,7 +40,8 @@ private:
 struct KlemsMatrix {
   KlemsPatches incident, outgoing;
   bool is_coloured = false;
-  std::vector<float> values;  ///< incident, outgoing, and three channels (linear sRGB) if coloured
+  std::vector<float>
+      values;  ///< values by incident patch, outgoing patch, and channel (linear sRGB) if there are three
 
   bool empty() const { return values.empty(); }
   /// f for the patches of two directions with positive z; zero outside of the bases.
@@ -51,9 +52,10 @@ struct KlemsMatrix {
 
 /// Faults of a file that are noted, not repaired.
 struct WindowNotes {
-  std::size_t negative = 0;  ///< numbers below zero, which count as zero
+  std::size_t negative = 0;  ///< number of values below zero, which count as zero
   bool reversed_front = false,
-       reversed_back = false;  ///< transmission of that side was missing and taken from the other one
+       /// the transmission of the back side was missing and taken from the front side
+      reversed_back = false;
 };
 
 /// A sheet with matrices for both sides. Index 0: light that arrives on the side of +z, which is the file's back (inside);
@@ -62,7 +64,7 @@ struct KlemsSheet {
   std::array<KlemsMatrix, 2> reflection, transmission;
 };
 
-/// Throws Error located at the file's line.
+/// Reads a sheet with Klems matrices. Throws Error located at the file's line.
 KlemsSheet read_klems_sheet(const WindowFile& file, WindowNotes& notes);
 
 /// Linear sRGB of CIE XYZ.

@@ -15,7 +15,7 @@
 namespace aureole {
 namespace {
 
-/// Values of the file times these are the BRDF in 1/sr.
+/// Factors that turn the file's red, green and blue values into the BRDF in 1/sr.
 constexpr double kMerlScale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 }  // namespace
@@ -32,7 +32,7 @@ MerlTable::MerlTable(const std::filesystem::path& path) {
       throw fail(fmt::format("states the sizes {} x {} x {}; a MERL table has 90 x 90 x 180 (or 360) bins",
                              sizes[0], sizes[1], sizes[2]));
   half_ = std::size_t(sizes[0]), difference_ = std::size_t(sizes[1]), azimuths_ = std::size_t(sizes[2]);
-  // Bins of theta_d and phi_d have equal widths.
+  // Bins of theta_d and phi_d have equal widths, so that their numbers have a fixed ratio.
   if (azimuths_ != 2 * difference_ && azimuths_ != 4 * difference_)
     throw fail(fmt::format(
         "has {} bins of phi_d for {} of theta_d; twice as many (180 degrees) or four times as many (360) "
@@ -68,7 +68,7 @@ std::array<float, 3> MerlTable::rgb(const Vec3& wi, const Vec3& wo, bool is_line
   const Vec3 h = normalize(wi + wo);
   const float sine = std::sqrt(h.x * h.x + h.y * h.y);
   const float cos_phi = sine > 0 ? h.x / sine : 1.f, sin_phi = sine > 0 ? h.y / sine : 0.f;
-  // wi in the frame of the half vector.
+  // Components of wi in the frame of the half vector.
   const float x = (wi.x * cos_phi + wi.y * sin_phi) * h.z - wi.z * sine, y = wi.y * cos_phi - wi.x * sin_phi,
               z = dot(wi, h);
   const float theta_h = angle_above_axis(sine, h.z), theta_d = angle_above_axis(std::sqrt(x * x + y * y), z);

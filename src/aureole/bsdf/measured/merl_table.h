@@ -21,8 +21,9 @@ public:
   /// Throws Error located at the file.
   explicit MerlTable(const std::filesystem::path& file);
 
-  /// f [1/sr] of the three channels; both directions lie above the surface. `is_linear`: interpolated between the
-  /// centres of the bins, else the value of the bin, as the database's own program reads it.
+  /// f [1/sr] of the three channels; both directions lie above the surface. With `is_linear` f is
+  /// interpolated between the centres of the bins; else it is the value of the bin, as the database's own
+  /// program reads it.
   std::array<float, 3> rgb(const Vec3& wi, const Vec3& wo, bool is_linear) const;
   /// Number of bins with a negative channel, which have no measurement and count as black.
   std::size_t missing() const { return missing_; }
@@ -34,7 +35,7 @@ private:
   std::size_t half_ = 0, difference_ = 0, azimuths_ = 0;
   bool is_full_circle_ = false;
   std::size_t missing_ = 0;
-  std::vector<float> values_;  ///< theta_h, theta_d, phi_d, channel
+  std::vector<float> values_;  ///< values by theta_h, theta_d, phi_d and channel
 };
 
 }  // namespace aureole

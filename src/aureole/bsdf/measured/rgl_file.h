@@ -20,14 +20,15 @@ struct RglFile {
     std::vector<float> values;
   };
   std::string description;
-  std::vector<float> phi_i, theta_i;  ///< of incidence [rad], increasing; up to two azimuths: isotropic
-  std::vector<float> nm;              ///< wavelengths, increasing; empty: the channels are red, green, blue
-  Table ndf;                          ///< distribution of half vectors (microfacet normals) D(m) [1/sr]
-  Table sigma;                        ///< projected area of the microfacets, by the direction of incidence
-  Table
-      vndf;  ///< distribution of visible normals in the square of m, for each azimuth and angle of incidence
-  Table
-      luminance;  ///< pdf of points of the square that the vndf maps to half vectors, for each azimuth and angle
+  /// azimuths and angles of incidence [rad], increasing; up to two azimuths: isotropic
+  std::vector<float> phi_i, theta_i;
+  std::vector<float> nm;  ///< wavelengths [nm], increasing; empty: the channels are red, green, blue
+  Table ndf;              ///< distribution of half vectors (microfacet normals) D(m) [1/sr]
+  Table sigma;            ///< projected area of the microfacets, by the direction of incidence
+  /// distribution of visible normals in the square of m, for each azimuth and angle of incidence
+  Table vndf;
+  /// pdf of points of the square that the vndf maps to half vectors, for each azimuth and angle
+  Table luminance;
   /// f |cos theta_o| by azimuth, angle, channel, row and column, at points that the vndf maps to half vectors; in units of
   /// D(m) / (4 sigma(i)) if `is_relative`.
   std::vector<float> spectra;
@@ -39,13 +40,14 @@ struct RglFile {
 
 /// Faults of a file that are noted, not errors.
 struct RglNotes {
-  std::size_t negative_spectra = 0;  ///< numbers of `spectra` below zero, which were replaced by zero
+  /// number of values of `spectra` below zero, which were replaced by zero
+  std::size_t negative_spectra = 0;
 };
 
-/// Throws Error located at the file.
+/// Reads a `.bsdf` file. Throws Error located at the file.
 RglFile read_rgl_file(const std::filesystem::path& file, RglNotes& notes);
 
-/// The bytes of a file with that content, as other programs read it.
+/// Returns the bytes of a `.bsdf` file with this content, as other programs read it.
 std::string rgl_file_content(const RglFile& file);
 
 }  // namespace aureole

@@ -47,7 +47,7 @@ RglTable::RglTable(const RglFile& file, const SpectralGrid& grid)
     primaries_ = rgb_primaries(grid);
   stride_ = is_spectral_ ? wavelengths_.count() : 3;
   spectra_.resize(nodes_.count() * area * stride_);
-  // The file has a picture for each channel; all channels of a node are wanted together.
+  // The file stores an array for each channel; the table keeps all channels of a node together.
   for_ranges(
       nodes_.count() * std::size_t(height_),
       [&](std::size_t begin, std::size_t end) {
@@ -69,7 +69,8 @@ RglTable::Incidence RglTable::incidence(const Vec3& wi) const {
   Incidence i;
   i.wi = wi;
   if (symmetry_ >= 2) {
-    // The measured azimuths begin at -180 degrees: y is negative, and x as well where a quarter was measured.
+    // Moves wi into the measured azimuths, which begin at -180 degrees: y is negative, and x is negative as
+    // well where a quarter of the circle was measured.
     i.sign_y = wi.y >= 0 ? -1.f : 1.f;
     i.sign_x = symmetry_ == 4 ? (wi.x >= 0 ? -1.f : 1.f) : i.sign_y;
     i.wi.x *= i.sign_x, i.wi.y *= i.sign_y;
@@ -77,7 +78,7 @@ RglTable::Incidence RglTable::incidence(const Vec3& wi) const {
   const float sine = std::sqrt(i.wi.x * i.wi.x + i.wi.y * i.wi.y);
   const float theta = angle_above_axis(sine, wi.z);
   i.cos_phi = sine > 0 ? i.wi.x / sine : 1.f, i.sin_phi = sine > 0 ? i.wi.y / sine : 0.f;
-  // Tables of one azimuth are the same for all.
+  // A table with one azimuth holds for all azimuths.
   const float phi = nodes_.first.size() > 1 ? azimuth_of(i.wi) : 0.f;
   i.square = {std::sqrt(theta * (2 * kInvPi)), phi * (0.5f * kInvPi) + 0.5f};
   i.blend = nodes_.at(phi, theta);

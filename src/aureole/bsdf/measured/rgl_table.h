@@ -25,11 +25,11 @@ public:
   std::array<float, 3> rgb(const Vec3& wi, const Vec3& wo) const;
   /// The pdf [1/sr] with which `sample` chooses wo.
   float pdf(const Vec3& wi, const Vec3& wo) const;
-  /// Both of them, with `value` as that of `value`.
+  /// Returns value and pdf together, with the value of `value`.
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
   /// Samples a direction; it may lie below the surface.
   Vec3 sample(const Vec3& wi, Vec2 u) const;
-  /// Whether values change when both directions turn about the normal.
+  /// Whether values change when both directions are rotated about the normal.
   bool depends_on_azimuth() const { return nodes_.first.size() > 1; }
   std::size_t bytes() const;
 
@@ -38,8 +38,9 @@ private:
   struct Incidence {
     Vec3 wi;
     float sign_x = 1, sign_y = 1;
-    float cos_phi, sin_phi;  ///< of the azimuth from which isotropic tables count those of half vectors
-    Vec2 square;             ///< its coordinates in the unit square
+    /// cosine and sine of the azimuth to which isotropic tables relate the azimuths of half vectors
+    float cos_phi, sin_phi;
+    Vec2 square;  ///< coordinates of the direction in the unit square
     SliceBlend blend;
   };
   /// A half vector in the square, and its point in the square that the vndf maps to it.
@@ -56,15 +57,16 @@ private:
   std::array<float, 3> channels(const Incidence& i, Vec2 uniform) const;
 
   bool is_isotropic_ = true, is_relative_ = true, is_spectral_ = false;
-  int symmetry_ = 1;  ///< 1: all azimuths are measured, 2: half of them, 4: a quarter
+  /// divisor of the circle that was measured: 1 all azimuths, 2 half of them, 4 a quarter
+  int symmetry_ = 1;
   SliceNodes nodes_;
   BilinearTable ndf_, sigma_;
   BilinearWarp vndf_, luminance_;
   int width_ = 0, height_ = 0;
-  std::size_t stride_ = 0;  ///< numbers of `spectra_` for each node of the square
+  std::size_t stride_ = 0;  ///< number of values of `spectra_` for each node of the square
   SpectralNodes wavelengths_;
-  std::array<SampledSpectrum, 3> primaries_;  ///< of files in linear sRGB
-  std::vector<float> spectra_;                ///< slice, row, column, channel
+  std::array<SampledSpectrum, 3> primaries_;  ///< primaries of files in linear sRGB
+  std::vector<float> spectra_;                ///< values by slice, row, column and channel
 };
 
 }  // namespace aureole

@@ -26,7 +26,7 @@ constexpr std::size_t kMaxScatteredChannels = 2048;
 class Triangulation {
 public:
   explicit Triangulation(std::vector<Vec2> points) : points_(std::move(points)) {
-    // The sweep works on integers; 2^24 steps of the unit are finer than single precision.
+    // Boost's sweep works on integers; 2^24 steps of the unit are finer than single precision.
     std::vector<boost::polygon::point_data<std::int32_t>> sites;
     for (const Vec2& p : points_)
       sites.emplace_back(std::int32_t(std::lround(p.x * 0x1p24)), std::int32_t(std::lround(p.y * 0x1p24)));
@@ -46,7 +46,7 @@ public:
   }
   bool empty() const { return triangles_.empty(); }
 
-  /// Three points and their weights; beyond the outermost points the nearest one.
+  /// Three points and their weights; outside of the triangulation the nearest point.
   struct Weights {
     std::uint32_t point[3];
     float weight[3];
@@ -101,7 +101,7 @@ private:
   std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-/// Angles are equal within a hundredth of a degree.
+/// Key of an angle: angles within a hundredth of a degree are equal.
 long angle_key(double degrees) { return std::lround(100 * degrees); }
 
 double wrapped_degrees(double phi) { return phi - 360 * std::floor(phi / 360); }
@@ -115,7 +115,7 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
     const std::vector<pigment::TextRow> rows = pigment::read_text_table(stream);
     if (rows.size() < 2) throw Error({name, 0, 0}, "a heading and rows of measured directions are expected");
     ScatteredMeasurements m;
-    int columns[4] = {-1, -1, -1, -1};  // theta_i, phi_i, theta_o, phi_o
+    int columns[4] = {-1, -1, -1, -1};  // indices of the columns theta_i, phi_i, theta_o, phi_o
     int rgb[3] = {-1, -1, -1};
     std::vector<std::pair<double, std::size_t>> wavelengths;
     std::vector<std::size_t> value_columns;
@@ -180,7 +180,7 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
         throw Error({name, row.line, 1},
                     fmt::format("theta_o is {:g}; 0 to 180 degrees are expected", d.theta_o));
       const double cosine = std::abs(std::cos(d.theta_o * kDegree));
-      if (cosine < 1e-4) continue;  // along the surface nothing can be measured
+      if (cosine < 1e-4) continue;  // no radiance can be measured along the surface, at 90 degrees
       for (const std::size_t c : value_columns) {
         double value = pigment::number_of(row, c);
         if (has_cosine) value /= cosine;
@@ -199,13 +199,13 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
 
 ScatteredTable::ScatteredTable(const ScatteredMeasurements& measured, bool transmitted,
                                const std::string& file, const SpectralGrid& grid) {
-  // Measurements by direction of incidence.
-  std::map<std::pair<long, long>, std::vector<std::size_t>> groups;  // by phi_i, theta_i
+  // Measurements grouped by direction of incidence.
+  std::map<std::pair<long, long>, std::vector<std::size_t>> groups;  // keys are phi_i, theta_i
   std::map<long, double> azimuths, angles;
   for (std::size_t k = 0; k < measured.directions.size(); ++k) {
     const auto& d = measured.directions[k];
     if ((d.theta_o > 90) != transmitted) continue;
-    // At normal incidence the azimuth says how the sample lies.
+    // At normal incidence phi_i is the orientation of the sample.
     groups[{angle_key(d.phi_i), angle_key(d.theta_i)}].push_back(k);
     azimuths[angle_key(d.phi_i)] = d.phi_i, angles[angle_key(d.theta_i)] = d.theta_i;
   }
@@ -249,7 +249,8 @@ ScatteredTable::ScatteredTable(const ScatteredMeasurements& measured, bool trans
   values_.resize(nodes_.count() * area * stride_);
   std::vector<long> theta_keys;
   for (const auto& [key, theta] : angles) theta_keys.push_back(key);
-  // Half of the azimuths, as for samples that are symmetric about the plane of incidence.
+  // Doubles half of the azimuths, which were measured on a sample that is symmetric about the plane of
+  // incidence.
   if (is_isotropic_) {
     was_mirrored_ = true;
     bool leaves_plane = false;
@@ -273,7 +274,7 @@ ScatteredTable::ScatteredTable(const ScatteredMeasurements& measured, bool trans
     };
     for (const std::size_t k : list) {
       const auto& d = measured.directions[k];
-      // Azimuths of isotropic tables are relative to that of the incident direction.
+      // Azimuths of isotropic tables are relative to the azimuth of the incident direction.
       const double phi = is_isotropic_ ? d.phi_o - d.phi_i : d.phi_o;
       add(d, phi, k);
       if (was_mirrored_ && std::sin(d.theta_o * kDegree) * std::abs(std::sin(phi * kDegree)) > 1e-6)
@@ -296,7 +297,7 @@ ScatteredTable::ScatteredTable(const ScatteredMeasurements& measured, bool trans
       for (int x = 0; x < kTableWidth; ++x) {
         const Vec3 m = square_to_half_vector({float(x) / (kTableWidth - 1), float(y) / (kTableHeight - 1)});
         const Vec3 wo = 2 * dot(m, wi) * m - wi;
-        // Below the surface the values of the horizon continue.
+        // Directions below the surface take the values at the horizon.
         Vec2 p{wo.x, wo.y};
         if (!(wo.z > 0)) p = p * (1 / std::max(std::sqrt(dot(p, p)), 1e-6f));
         const Triangulation::Weights w = triangles.at(p);

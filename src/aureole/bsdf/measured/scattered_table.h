@@ -14,18 +14,18 @@
 
 namespace aureole {
 
-/// Measurements as they stand in a table of text: f [1/sr] without a cosine.
+/// Measured values of a text table: f [1/sr] without a cosine.
 struct ScatteredMeasurements {
   struct Direction {
-    double theta_i, phi_i, theta_o,
-        phi_o;  ///< [degrees] from the normal and from the x axis; theta_o > 90: transmitted
+    /// angles of both directions [degrees], from the normal and from the x axis; theta_o > 90: transmitted
+    double theta_i, phi_i, theta_o, phi_o;
     int line;
   };
   std::vector<Direction> directions;
-  std::vector<float> values;  ///< for each direction and channel
-  std::vector<double> nm;     ///< wavelengths; empty: one channel for all, or red, green, blue
+  std::vector<float> values;  ///< f for each direction and channel
+  std::vector<double> nm;     ///< wavelengths [nm]; empty: one channel for all, or red, green, blue
   std::size_t channels = 0;
-  std::size_t negative = 0;  ///< values below zero, which count as zero
+  std::size_t negative = 0;  ///< number of values below zero, which count as zero
 };
 
 /// Reads a table with the columns theta_i, theta_o, optionally phi_i and phi_o, and values: wavelengths ("550nm"), "r", "g"
@@ -34,20 +34,21 @@ struct ScatteredMeasurements {
 ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& file, bool has_cosine);
 
 /// Values for pairs of directions on the sides of +z: reflected, or transmitted and mirrored to positive z. Outgoing
-/// directions are triangulated in the projected disc (Delaunay) and interpolated linearly; beyond the outermost ones the
-/// value of the nearest one is kept. Between directions of incidence, values of equal half vectors are interpolated.
+/// directions are triangulated in the projected disc (Delaunay) and interpolated linearly; outside of the
+/// triangulation the value of the nearest direction is used. Between directions of incidence, values of equal
+/// half vectors are interpolated.
 class ScatteredTable {
 public:
   ScatteredTable() = default;
-  /// Throws Error located at `file`. `transmitted` chooses the measurements; none: the table is empty.
+  /// Resamples one half of the measurements: `transmitted` chooses between reflection and transmission;
+  /// without any the table is empty. Throws Error located at `file`.
   ScatteredTable(const ScatteredMeasurements& measured, bool transmitted, const std::string& file,
                  const SpectralGrid& grid);
 
   bool empty() const { return values_.empty(); }
   bool is_isotropic() const { return is_isotropic_; }
-  bool was_mirrored() const {
-    return was_mirrored_;
-  }  ///< azimuths covered half of the circle and were mirrored
+  /// Whether the measured azimuths covered half of the circle and were mirrored.
+  bool was_mirrored() const { return was_mirrored_; }
   /// f at the wavelengths of a spectral table.
   Spectrum spectrum(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
   /// f of a table with one channel or three; one channel is returned three times.
@@ -65,7 +66,7 @@ private:
   SliceNodes nodes_;
   std::size_t stride_ = 0;
   SpectralNodes wavelengths_;
-  std::vector<float> values_;  ///< slice, row, column, channel
+  std::vector<float> values_;  ///< values by slice, row, column and channel
 };
 
 }  // namespace aureole

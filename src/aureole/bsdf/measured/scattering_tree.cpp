@@ -11,9 +11,9 @@
 namespace aureole {
 namespace {
 
-/// A tree of 16 levels has cells of 1/65536.
+/// Upper bound of the depth of a tree: 16 levels divide each axis into 65536 cells.
 constexpr int kMaxTreeDepth = 16;
-/// Cells of all incident directions, 16 bytes each.
+/// Upper bound of the cells for all incident directions, of 16 bytes each.
 constexpr std::size_t kMaxTreeCells = std::size_t(1) << 24;
 
 }  // namespace
@@ -23,7 +23,7 @@ struct TensorTree::Item {
   std::uint32_t node;
   int remaining;  ///< log2 of the values along each axis of the part; 0: one value; -1: a branch
   std::array<std::uint32_t, 4> origin;
-  float x, y, size;  ///< of the square of outgoing directions
+  float x, y, size;  ///< position and side of the part in the square of outgoing directions
 };
 
 TensorTree::TensorTree(const WindowBlock& block, int rank, WindowNotes& notes) : rank_(rank) {
@@ -100,7 +100,7 @@ void TensorTree::distribute(std::uint32_t into, const std::vector<Item>& items, 
   incidents_[into] = {first, 0, 0};
   incidents_.resize(incidents_.size() + std::size_t(parts));
   for (int part = 0; part < parts; ++part) {
-    // Sines of the incident angle end at one, the middle of the first axis.
+    // Sines of the incident angle are at most one, which is the middle of the first axis.
     if (rank_ == 3 && into == 0 && part == 1) continue;
     std::vector<Item> below;
     for (const Item& item : items) {
@@ -198,7 +198,7 @@ std::optional<Vec3> TensorTree::sample(const Vec3& incident, float u1, Vec2 u2) 
              end = begin + std::ptrdiff_t(chosen.count);
   auto cell =
       std::upper_bound(begin, end, u1 * chosen.power, [](float u, const Cell& c) { return u < c.cumulated; });
-  // Rounding at the end of the list: the last cell with power.
+  // Rounding at the end of the list selects the last cell with power.
   if (cell == end)
     cell = std::lower_bound(begin, end, chosen.power, [](const Cell& c, float p) { return c.cumulated < p; });
   const DiscPoint d = square_to_disc_concentric({cell->x + cell->size * u2.x, cell->y + cell->size * u2.y});

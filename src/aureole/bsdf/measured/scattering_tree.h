@@ -38,16 +38,21 @@ public:
 
 private:
   struct Node {
-    std::int32_t grid_log2;  ///< of the values along each axis; -1: a branch
+    std::int32_t grid_log2;  ///< log2 of the number of values along each axis; -1: a branch
     std::uint32_t first;     ///< index of the first child in `children_`, or of the first value
   };
   /// A square of outgoing directions with constant f.
   struct Cell {
-    float x, y, size, cumulated;  ///< cumulated: power of the cells up to this one, of all
+    /// corner and side of the square, and cumulated power of the cells up to this one, as a fraction of the
+    /// power of all cells
+    float x, y, size, cumulated;
   };
   /// Incident directions that share the outgoing cells, or that are divided further.
   struct Incident {
-    std::uint32_t first = 0, count = 0;  ///< cells; count 0: `first` is the index of the first child
+    std::uint32_t
+        first = 0,
+        /// index of the first cell and number of cells; count 0: `first` is the index of the first child
+        count = 0;
     float power = 0;
   };
   struct Item;
@@ -55,7 +60,9 @@ private:
   void distribute(std::uint32_t into, const std::vector<Item>& items, const SourceLocation& where);
   struct Position {
     std::array<float, 4> x{};
-    float cos_phi = 1, sin_phi = 0;  ///< rank 3: of the opposite of the incident direction
+    float cos_phi = 1,
+          /// for rank 3, cosine and sine of the azimuth of the opposite of the incident direction
+        sin_phi = 0;
   };
   Position incident_position(const Vec3& incident) const;
   const Incident& incident_cell(const Position& p) const;
@@ -68,7 +75,7 @@ private:
   std::vector<Cell> cells_;
 };
 
-/// Index 0: light that arrives on the side of +z, as in KlemsSheet.
+/// Tensor trees for both sides of a sheet. Index 0: light that arrives on the side of +z, as in KlemsSheet.
 struct TensorTreeSheet {
   std::array<TensorTree, 2> reflection, transmission;
 };

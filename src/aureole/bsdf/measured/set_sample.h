@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of `sample` of BSDFs whose directions are drawn from a table.
+// The last step of `sample` of BSDFs that sample directions from a table.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace aureole {
 
-/// Fills `result` with the direction `wo` and what `eval_pdf` of the BSDF says of it, or leaves it empty where the density
-/// is zero.
+/// Fills `result` with the direction `wo` and the value and pdf of the BSDF's `eval_pdf`, or leaves it empty
+/// where the pdf is zero.
 template <class B>
 void set_sample(const B& bsdf, const Vec3& wi, const Vec3& wo, const BsdfContext& ctx, Lobe lobe,
                 std::optional<BsdfSample>& result) {

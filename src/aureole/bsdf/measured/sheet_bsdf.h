@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BSDF of a sheet that reflects and transmits on both sides, measured for each side apart, and what its users are told
-// about the file.
+// A BSDF of a sheet with separately measured reflection and transmission of both sides, and the notes about
+// its file.
 #pragma once
 
 #include <array>
@@ -79,12 +79,12 @@ private:
   static int side(const Vec3& w) { return w.z > 0 ? 0 : 1; }
   static Vec3 up(const Vec3& w) { return {w.x, w.y, std::abs(w.z)}; }
 
-  std::shared_ptr<const Sheet> sheet_;  ///< null after an error
+  std::shared_ptr<const Sheet> sheet_;  ///< table of the sheet; null after an error
   IncidentSide incident_;
   std::array<SampledSpectrum, 3> primaries_;
 };
 
-/// Notes about parts of a file that are not used, and about what takes their place.
+/// Notes the parts of a file that are not used, and the data that replace missing parts.
 void note_window_file(const Properties& properties, const WindowFile& file, const WindowNotes& notes,
                       bool is_coloured);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the wavelengths of a path lie among the wavelengths of a measured table.
+// Positions of a path's wavelengths among the wavelengths of a measured table.
 #pragma once
 
 #ifdef __AVX2__
@@ -24,13 +24,14 @@ public:
   SpectralNodes(const SpectralGrid& grid, std::span<const float> nm);
 
   std::size_t first() const { return first_; }  ///< index of the first node that is used
-  /// Number of nodes used, 2 or more: a table that is used at one wavelength alone has its values twice.
+  /// Number of nodes used, 2 or more: where a single wavelength of the table is used, its values are stored
+  /// twice.
   std::size_t count() const { return nm_.size(); }
   /// Index in the table of the i-th node used.
   std::size_t source(std::size_t i) const { return first_ + (is_single_ ? 0 : i); }
 
   /// For each wavelength of a path the index of the node below and the position towards the next one, in [0, 1].
-  /// Wavelengths outside of the table count as those of the nearest node.
+  /// Wavelengths outside of the table are clamped to the nearest node.
   struct Place {
     std::int32_t index[kWavelengths];
     Spectrum fraction;
@@ -57,7 +58,7 @@ private:
   std::size_t first_ = 0;
   bool is_single_ = false;
   std::vector<float> nm_, inverse_step_;
-  bool cells_hold_several_ = false;  ///< more than one node lies within a cell of the grid
+  bool cells_hold_several_ = false;  ///< whether some cell of the grid contains more than one node
   std::vector<std::int32_t> guess_;  ///< for each cell of the grid, the node at or below its lower end
   std::vector<float> bound_;         ///< for each cell, the next node, or infinity after the last interval
 };
@@ -70,7 +71,7 @@ public:
   void add(const float* row, float weight) {
 #ifdef __AVX2__
     if constexpr (kWavelengths == 8) {
-      // Both values around a wavelength are loaded at once; they are taken apart at the end.
+      // Loads both values around a wavelength at once; they are separated at the end.
       const auto both = [&](int j) {
         long long two;
         std::memcpy(&two, row + place_.index[j], sizeof two);

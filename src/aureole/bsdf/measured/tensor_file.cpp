@@ -23,7 +23,7 @@ std::size_t size_of(TensorType type) {
   return kSizes[std::size_t(type)];
 }
 
-/// Reads numbers one after the other from bytes that may end too early.
+/// Reads numbers one after the other from bytes, and fails where the bytes end too early.
 class TensorHeader {
 public:
   TensorHeader(std::span<const std::byte> bytes, const TensorFile& file) : bytes_(bytes), file_(file) {}
@@ -88,7 +88,8 @@ TensorFile::TensorFile(const std::filesystem::path& file) : file_(file), content
     std::uint64_t size = size_of(f.type);
     for (std::size_t axis = 0; axis < axes; ++axis) {
       const std::uint64_t n = header.next<std::uint64_t>();
-      // The product stays below the size of the file and cannot overflow; an axis of length 0 is no exception.
+      // The product stays below the size of the file and cannot overflow, even where an axis has the length
+      // 0.
       if (n > bytes.size() || (n > 0 && size > bytes.size() / n))
         throw error(
             fmt::format("field {} has more numbers than the file has bytes ({})", i + 1, bytes.size()));

@@ -40,27 +40,27 @@ struct TensorField {
   std::vector<std::size_t> shape;
   std::span<const std::byte> bytes;
 
-  std::size_t count() const;  ///< number of numbers
+  std::size_t count() const;  ///< Returns the number of numbers in the array.
 };
 
 /// Returns "8 x 32 x 32", for messages.
 std::string shape_text(std::span<const std::size_t> shape);
 
-/// A tensor file that was opened for reading; the numbers stay in the mapped file until they are asked for.
+/// A tensor file that was opened for reading; the numbers stay in the mapped file until they are read.
 class TensorFile {
 public:
   /// Throws Error located at the file if it is no tensor file, is truncated, or has fields that overrun it.
   explicit TensorFile(const std::filesystem::path& file);
 
   const TensorField* find(std::string_view name) const;
-  /// Throws Error that lists the fields of the file if there is none of that name.
+  /// Returns the field of that name. Throws Error that lists the fields of the file if there is none.
   const TensorField& field(std::string_view name) const;
   /// Returns the numbers of a field of floats (32 or 64 bits). Throws Error for another type, for another number of
   /// axes than `axes`, and for numbers that are not finite.
   std::vector<float> floats(std::string_view name, std::size_t axes) const;
   /// Returns the bytes of a field of uint8 with one axis as text. Throws Error for another type.
   std::string text(std::string_view name) const;
-  /// An Error located at the file.
+  /// Returns an Error located at the file.
   Error error(const std::string& message) const;
 
 private:
@@ -69,7 +69,7 @@ private:
   std::vector<TensorField> fields_;
 };
 
-/// Makes the bytes of a tensor file.
+/// Builds the bytes of a tensor file.
 class TensorFileWriter {
 public:
   void add(std::string name, std::vector<std::size_t> shape, std::span<const float> numbers);

@@ -16,7 +16,8 @@
 namespace aureole {
 namespace {
 
-/// Text of 64 MB holds a tensor tree of 2^22 numbers; the parser needs a copy.
+/// Upper bound of the file's size: text of 64 MB holds a tensor tree of 2^22 numbers, and the parser needs a
+/// copy.
 constexpr std::uint64_t kMaxWindowBytes = std::uint64_t(1) << 27;
 constexpr std::size_t kMaxPatches = 4096, kMaxRings = 90;
 
@@ -161,7 +162,8 @@ private:
       }
       const pugi::xml_node numbers = child(node, "ScatteringData");
       block.where = at(numbers);
-      // The parser's text is a copy of its own that lives as long as the document; this one lives as long as the file.
+      // The reader's text lives as long as the file; the parser has a copy of its own that ends with the
+      // document.
       block.data = element_text(numbers);
       for (const WindowBlock& other : result_.blocks)
         if (other.is_transmission == block.is_transmission && other.is_front == block.is_front &&
@@ -171,7 +173,7 @@ private:
     }
   }
 
-  /// The part of the file's text between the start and the end tag of an element without elements.
+  /// Returns the file's text between the start tag and the end tag of an element without child elements.
   std::string_view element_text(pugi::xml_node node) const {
     const std::string_view all = result_.text;
     const std::size_t begin = all.find('>', std::size_t(node.offset_debug()));
@@ -260,7 +262,7 @@ double NumberReader::number() {
   const char* begin = rest_.data() + (rest_.front() == '+' ? 1 : 0);
   const auto [end, code] = std::from_chars(begin, rest_.data() + rest_.size(), value);
   if (code == std::errc::result_out_of_range && end > begin)
-    value = 0;  // below the smallest number
+    value = 0;  // the number is below the smallest representable one
   else if (code != std::errc() || !std::isfinite(value))
     throw error(fmt::format("\"{}\" is not a number", std::string(rest_.substr(0, 20))));
   rest_.remove_prefix(std::size_t(end - rest_.data()));

@@ -25,7 +25,7 @@ struct AngleBasis {
   std::string name;
   std::vector<Ring> rings;
 
-  std::size_t size() const;  ///< number of patches
+  std::size_t size() const;  ///< Returns the number of patches.
 };
 
 /// The bases that files may name without defining them: "LBNL/Klems Full", "... Half" and "... Quarter".
@@ -34,10 +34,10 @@ const std::vector<AngleBasis>& known_angle_bases();
 /// A block of numbers. Front is the outside of the building in such files.
 struct WindowBlock {
   bool is_transmission = false, is_front = false;
-  int channel = 1;  ///< 0, 1, 2: CIE X, Y (the visible), Z
+  int channel = 1;  ///< channel of the spectrum: 0, 1, 2 for CIE X, Y (the visible range), Z
   std::string column_basis, row_basis;
-  std::string_view data;  ///< the text of the numbers, in the file's text
-  SourceLocation where;   ///< position of that text
+  std::string_view data;  ///< text of the numbers, as a part of the file's text
+  SourceLocation where;   ///< position of `data`
 };
 
 struct WindowFile {
@@ -47,27 +47,27 @@ struct WindowFile {
   SourceLocation structure_where;
   std::vector<AngleBasis> bases;  ///< bases that the file defines, then the known ones
   std::vector<WindowBlock> blocks;
-  std::vector<std::string> skipped;  ///< spectral ranges and directions that were passed over, each once
+  std::vector<std::string> skipped;  ///< spectral ranges and directions that were skipped, each once
 
   bool is_tree() const { return structure == Structure::tree3 || structure == Structure::tree4; }
-  /// Throws Error located at `where`.
+  /// Returns the angle basis of that name. Throws Error located at `where`.
   const AngleBasis& basis(const std::string& name, const SourceLocation& where) const;
 };
 
 /// Reads the structure of a file. Throws Error located at the file's line.
 std::unique_ptr<const WindowFile> read_window_file(const std::filesystem::path& file);
 
-/// Reads one number after the other from the text of a block, between which blanks and commas may stand. Errors are
+/// Reads numbers one after the other from the text of a block, separated by blanks or commas. Errors are
 /// located at the line of the text.
 class NumberReader {
 public:
   NumberReader(std::string_view text, SourceLocation where) : rest_(text), where_(std::move(where)) {}
 
-  /// The next character that is neither a blank nor a comma, without reading it; 0 at the end.
+  /// Returns the next character that is neither a blank nor a comma, without consuming it; 0 at the end.
   char peek();
-  /// Reads `c`. Throws Error if something else comes.
+  /// Consumes `c`. Throws Error if another character comes.
   void expect(char c, const char* what);
-  /// Throws Error if no finite number comes.
+  /// Reads a number. Throws Error if no finite number comes.
   double number();
   Error error(const std::string& message) const { return Error(where_, message); }
 

@@ -15,7 +15,8 @@ struct Beckmann {
   /// Density of normals [1/sr], m.z > 0: the integral of D cos(theta_m) over the hemisphere is one.
   float d(const Vec3& m) const {
     const float x = m.x / alpha_u, y = m.y / alpha_v, c2 = m.z * m.z, e = x * x + y * y;
-    // Beyond this the exponential is zero in single precision, and so may be the powers of the cosine.
+    // Beyond this bound the exponential is zero in single precision, and the powers of the cosine may be zero
+    // as well.
     if (!(e < 87 * c2)) return 0;
     return std::exp(-e / c2) * kInvPi / (alpha_u * alpha_v * c2 * c2);
   }

@@ -56,7 +56,7 @@ float sample_visible_beckmann_slope(float cos_theta, float sin_theta, float u) {
   const float end = std::min(1 - erfc_over_exp(cot) * end_exp, kEnd);
   const float total = 1 + end + weight * end_exp, target = u * total;
   float low = -1, high = end;
-  // erf(sqrt(-log u)) needs no exponential, which would be u.
+  // The identity erf(sqrt(-log u)) needs no exponential, which would be u.
   const float normal = -1 + (1 + end) * u;
   const float grazing = end - (1 + end) * (1 - erfc_over_exp(std::sqrt(-std::log(u))) * u);
   float b = normal + (grazing - normal) * tangent / (tangent + 0.3f);
@@ -131,7 +131,7 @@ Roughness::Roughness(const Properties& p, bool variable) {
     range_v_ = read(p, "alpha_v", texture_v_);
     if (!texture_u_ && !texture_v_ && range_u_.x == range_v_.x) isotropic_ = true;
   } else {
-    if (variable)  // also marks them as known
+    if (variable)  // assigning them also marks the ranges as known
       for (const char* absent : {"alpha_u", "alpha_v"}) p.find(absent);
     range_u_ = range_v_ = read(p, "alpha", texture_u_);
     if (texture_u_ && !variable) throw p.error("alpha", "expected a number: the roughness cannot vary here");

@@ -24,7 +24,7 @@ inline Spectrum exp_of_negative(const Spectrum& x) {
   const SpectrumMask n = __builtin_convertvector(clamped * 1.44269504f - 0.5f, SpectrumMask);
   const SpectrumVector whole = __builtin_convertvector(n, SpectrumVector);
   const SpectrumVector f = clamped - whole * 0.693359375f + whole * 2.12194440e-4f;
-  // In pairs, by Estrin's scheme: a chain of half as many dependent operations.
+  // The polynomial is evaluated in pairs (Estrin's scheme): a chain of half as many dependent operations.
   const SpectrumVector f2 = f * f, high = f * 1.9875691500e-4f + 1.3981999507e-3f,
                        middle = f * 8.3334519073e-3f + 4.1665795894e-2f,
                        low = f * 1.6666665459e-1f + 5.0000001201e-1f;
@@ -45,7 +45,8 @@ inline float erfc_over_exp(float x) {
 /// [kMinAlpha, kMaxAlpha]; alpha_u is along local x.
 class Microfacets {
 public:
-  static constexpr float kMinAlpha = 1e-4f;  ///< smoother surfaces exceed single precision
+  /// lower bound of the roughness: smoother surfaces exceed single precision
+  static constexpr float kMinAlpha = 1e-4f;
   static constexpr float kMaxAlpha = 100.f;
 
   Microfacets(NormalDistribution type, float alpha_u, float alpha_v)
@@ -81,13 +82,13 @@ public:
     return select(seen, sec2 * sec2 * scale_ * exp_of_negative(select(seen, s * sec2, 0.f) * -1.f), 0.f);
   }
 
-  /// Returns Smith's masking G1(v) over v.z, for v.z >= 0; finite at grazing angles. Exact for both
+  /// Returns Smith's masking G1(v) over v.z, for v.z >= 0; finite at grazing angles. It is exact for both
   /// distributions: the integral of D(m) G1(v) max(v.m, 0) over m is v.z (Heitz 2014, equation 17).
   float masking_over_cos(const Vec3& v) const {
     const float x = alpha_u_ * v.x, y = alpha_v_ * v.y, r2 = x * x + y * y;
     if (type_ == NormalDistribution::ggx) return 2 / (v.z + std::sqrt(v.z * v.z + r2));
     const float r = std::sqrt(r2);
-    if (v.z > 3.5f * r) return 1 / v.z;  // masking below 2e-8
+    if (v.z > 3.5f * r) return 1 / v.z;  // below this ratio, masking changes the result by less than 2e-8
     const float a = v.z / r, e = std::exp(-a * a);
     constexpr float kRootPi = 1.77245385f;
     return 2 * kRootPi / (kRootPi * v.z * (2 - erfc_over_exp(a) * e) + r * e);

@@ -64,7 +64,7 @@ double mirrored_energy(const Microfacets& d, const Vec3& wi, int points) {
 }
 
 ScatteredEnergy diffuse_scattered_energy(const Microfacets& d, float eta) {
-  // The square of the cosine is uniform if the density is 2 mu. All strata have different lattices, so that
+  // The square of a cosine mu of density 2 mu is uniform. All strata have different lattices, so that
   // their errors, which the critical angle makes large, cancel.
   constexpr int kStrata = 64;
   const int points = d.type() == NormalDistribution::beckmann ? 610 : 1597;
@@ -121,7 +121,8 @@ LossTable::LossTable(const Roughness& roughness, std::vector<float> etas, const 
     for (int j = 0; j < v_.nodes; ++j)
       rows.emplace_back(roughness.type(), u_.node(i), isotropic_ ? u_.node(i) : v_.node(j));
   const int lines = int(etas_.size()) * rows_ * azimuths_;
-  const int points = lines > 48 ? 377 : 987;  // large tables may take a second of one core
+  // fewer points for large tables, which may take a second of one core
+  const int points = lines > 48 ? 377 : 987;
   loss_.resize(std::size_t(lines) * kCosines);
   std::atomic<int> next{0};
   run_workers(std::min(default_thread_count(), lines), [&](int) {
@@ -163,7 +164,7 @@ void LossTable::tabulate_masses(const std::vector<Microfacets>& rows) {
   }
   for (std::size_t k = 0; k < etas_.size() * rows.size(); ++k) {
     const Place place = locate(rows[k % rows.size()]);
-    // The mean over the azimuths, node by node.
+    // Mean over the azimuths at each node.
     std::array<double, kCosines> mean{};
     const int count = azimuths_ > 1 ? 256 : 1;
     for (int i = 0; i < count; ++i) {
@@ -194,7 +195,7 @@ Vec3 LossTable::sample(const Place& place, float eta, Vec2 u) const {
     const int middle = (low + high) / 2;
     (mass(middle) <= target ? low : high) = middle;
   }
-  // Within a cell by the cosine alone.
+  // Position within a cell of the cosine.
   const float below = mass(low), part = mass(high) - below;
   const float through = part > 0 ? std::clamp((target - below) / part, 0.f, 1.f) : 0.5f;
   const float c2 = squared_cosine(low) + (squared_cosine(high) - squared_cosine(low)) * through;

@@ -21,22 +21,24 @@ struct ScatteredEnergy {
 ScatteredEnergy scattered_energy(const Microfacets& d, const Vec3& wi, float eta, int points);
 /// Computes the fraction for facets that reflect all light.
 double mirrored_energy(const Microfacets& d, const Vec3& wi, int points);
-/// Returns these fractions of diffuse light: the cosine-weighted mean of `scattered_energy`.
+/// Returns both fractions for diffuse light: the cosine-weighted mean of `scattered_energy`.
 ScatteredEnergy diffuse_scattered_energy(const Microfacets& d, float eta);
 
 /// Reads the parameter `energy_preserving`. Its default is that of the scene, else false.
 bool read_energy_preserving(const Properties& properties);
-/// Whether the scene file states that light may be lost or must not be.
+/// Whether the scene file states whether light may be lost by single scattering.
 bool states_energy_preserving(const Properties& properties);
 
 /// The fraction of diffuse light that an interface loses by single scattering, computed on demand.
 class DiffuseLoss {
 public:
-  /// `eta`: index within over index outside. The object must always be asked with equal arguments.
+  /// Returns the lost fraction. `eta`: index within over index outside. All calls of an object must have
+  /// equal arguments.
   double operator()(const Microfacets& d, float eta, bool from_within) const;
 
 private:
-  mutable std::atomic<float> known_[2] = {-1.f, -1.f};  ///< from outside and from within; negative: unknown
+  /// known fractions from outside and from within; negative: not computed yet
+  mutable std::atomic<float> known_[2] = {-1.f, -1.f};
 };
 
 /// The lost fraction 1 - E(w), tabulated over the direction, the surface's roughnesses and the index of
@@ -52,10 +54,11 @@ public:
 
   /// The position of a roughness in the table.
   struct Place {
-    int count = 0, row[4] = {};  ///< up to four neighbouring roughnesses
+    int count = 0, row[4] = {};  ///< rows of up to four neighbouring roughnesses
     float weight[4] = {};
     float u2 = 0, v2 = 0, smaller = 0,
-          inverse_span = 0;  ///< squared roughnesses; for the direction's roughness
+          /// inverse range of the squared roughnesses, for the roughness along the direction
+        inverse_span = 0;
   };
   Place locate(const Microfacets& d) const;
 
@@ -107,7 +110,7 @@ public:
   }
 
 private:
-  static constexpr int kCosines = 64;  ///< nodes in sqrt(cos theta): dense near grazing
+  static constexpr int kCosines = 64;  ///< nodes are uniform in sqrt(cos theta), dense near grazing angles
 
   struct Cell {
     int index = 0;
@@ -163,8 +166,8 @@ private:
   int rows_ = 0, azimuths_ = 1;
   std::vector<float> etas_;
   float inverse_step_ = 0;
-  std::vector<float> loss_;        // [eta][alpha_u][alpha_v][azimuth][cosine]
-  std::vector<float> mass_below_;  // [eta][alpha_u][alpha_v][cosine]
+  std::vector<float> loss_;        // lost fractions by [eta][alpha_u][alpha_v][azimuth][cosine]
+  std::vector<float> mass_below_;  // contributions by [eta][alpha_u][alpha_v][cosine]
 };
 
 }  // namespace aureole

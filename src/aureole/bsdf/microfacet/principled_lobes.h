@@ -15,7 +15,7 @@
 
 namespace aureole::principled {
 
-/// (1 - cos)^5.
+/// Schlick's weight (1 - cos)^5.
 inline float schlick_weight(float cos_theta) {
   const float m = std::clamp(1 - cos_theta, 0.f, 1.f), m2 = m * m;
   return m2 * m2 * m;
@@ -59,7 +59,7 @@ inline Half half_vector(const Vec3& a, const Vec3& b) {
   return {h * inverse, std::min(0.5f * length2 * inverse, 1.f)};
 }
 
-/// alpha = roughness^2, stretched along the tangent (Burley 2012).
+/// GGX distribution with alpha = roughness^2, stretched along the tangent (Burley 2012).
 inline Ggx distribution(float roughness, float anisotropic) {
   const float alpha = roughness * roughness, aspect = std::sqrt(1 - 0.9f * anisotropic);
   return {std::max(0.001f, alpha / aspect), std::max(0.001f, alpha * aspect)};
@@ -131,7 +131,7 @@ public:
 private:
   static constexpr int kNodes = 16;
   TexturePtr texture_;
-  float luminance_ = 0;  // if the texture is constant
+  float luminance_ = 0;  // luminance of a constant texture
   std::array<Wavelengths, kNodes / kWavelengths> nodes_;
 };
 

@@ -11,7 +11,8 @@ namespace {
 
 Vec3 mirrored(const Vec3& n) { return {-n.x, -n.y, n.z}; }
 
-/// Whether the direction, in local and in perturbed coordinates, is on one side of both horizons.
+/// Whether the direction is on the same side of the horizons of both frames, given in local and in perturbed
+/// coordinates.
 bool same_side(const Vec3& local, const Vec3& turned) { return local.z * turned.z > 0; }
 
 float tan2_theta(const Vec3& w) { return (w.x * w.x + w.y * w.y) / (w.z * w.z); }
@@ -127,7 +128,7 @@ std::optional<BsdfSample> PerturbedFrame::sample(const Vec3& wi, float u1, Vec2 
       s->value = e.value, s->pdf = e.pdf;
       return s;
     }
-    if (is_flipped(n, s->wo) != flip) return {};  // the perturbed normal differs as seen from there
+    if (is_flipped(n, s->wo) != flip) return {};  // at wo the perturbed normal is mirrored differently
     s->pdf *= probability;
   }
   s->value *= weight(n, wi, wi_t, s->wo, wo_t, ctx.mode);

@@ -14,9 +14,9 @@ namespace aureole {
 /// 2019, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing Gems,
 /// chapter 12).
 ///
-/// None of this is reciprocal. In importance mode the viewer is on the side of `wo`, and the value is that of
-/// radiance mode with the directions exchanged, so that light and camera paths converge to one picture (Veach
-/// 1997, section 5.3).
+/// The perturbed BSDF is not reciprocal. In importance mode the viewer is on the side of `wo`, and the value
+/// is that of radiance mode with the directions exchanged, so that light and camera paths converge to one
+/// picture (Veach 1997, section 5.3).
 class PerturbedFrame : public Bsdf {
 public:
   explicit PerturbedFrame(const Properties& properties);

@@ -39,8 +39,8 @@ public:
   Colors at(const BsdfContext& ctx) const {
     Colors c{diffuse_->eval(ctx.point, ctx.wavelengths), specular_->eval(ctx.point, ctx.wavelengths), 0};
     if (exceeds_) {
-      // Wavelength by wavelength, since spectra of saturated colours approach one outside the visible range,
-      // which must not darken the colour.
+      // The sum is limited at each wavelength separately: spectra of saturated colours approach one outside
+      // the visible range, which must not darken the colour.
       const Spectrum sum = max(c.diffuse + c.specular, 1.f);
       c.diffuse = c.diffuse / sum, c.specular = c.specular / sum;
     }

@@ -58,7 +58,7 @@ private:
                             : from + " upwards";
   }
 
-  TexturePtr texture_;  // null if it is constant
+  TexturePtr texture_;  // texture of a varying parameter; null if it is constant
   float value_ = 0, minimum_ = 0, maximum_ = 0;
 };
 

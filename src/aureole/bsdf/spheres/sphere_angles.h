@@ -20,28 +20,28 @@ struct Scattered {
       : along(float(0.5 * v * v)),
         in(float(0.5 * v * w * std::cos(phi))),
         out(float(0.5 * v * w * std::sin(phi))) {}
-  /// |(w_i + w_o)_xy|
+  /// Returns |(w_i + w_o)_xy|, the transverse component of the change of direction.
   float transverse(float cos_i, float sin_i) const {
     const float x = along * sin_i + in * cos_i;
     return std::sqrt(x * x + out * out);
   }
-  /// |cos theta_o|
+  /// Returns |cos theta_o|, the cosine of the scattered direction with the normal.
   float cosine(float cos_i, float sin_i) const {
     return std::min(std::abs((along - 1) * cos_i - in * sin_i), 1.f);
   }
 };
 
 /// Cells between nodes that are uniform in w (backward hemisphere, which comes first: cumulative sums keep
-/// small terms accurate at their start) or in v (forward). In each hemisphere they are finer at its centre. v
-/// dv dphi = w dw dphi is the solid angle.
+/// small terms accurate at their start) or in v (forward). Cells are finer at the centre of each hemisphere.
+/// v dv dphi = w dw dphi is the solid angle.
 class SphereAngles {
 public:
-  /// The step between nodes, times the number of terms of Mie's series. The intensity has phases of up to
-  /// twice that number times the angle; linear interpolation over this step preserves them to 1 %.
+  /// The step between nodes in rad, times the number of terms of Mie's series. The intensity has phases of up
+  /// to twice that number times the angle; linear interpolation over this step preserves them to 1 %.
   static constexpr double kStep = 0.125;
 
   SphereAngles() = default;
-  /// `largest`: the largest number of terms.
+  /// Makes cells for Mie series of up to `largest` terms.
   explicit SphereAngles(double largest) {
     constexpr double kFineEnd = 50, kRootTwo = std::numbers::sqrt2;
     constexpr int kMinCells = 64, kFineCells = int(kFineEnd / kStep), kCoarseCells = 384;
@@ -59,7 +59,7 @@ public:
     }
   }
 
-  int half() const { return half_; }  ///< cells in each hemisphere
+  int half() const { return half_; }  ///< number of cells in each hemisphere
   int cells() const { return 2 * half_; }
   bool is_forward(int cell) const { return cell >= half_; }
   /// Returns the cell's index in its hemisphere, from the centre.

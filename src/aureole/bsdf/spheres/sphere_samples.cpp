@@ -41,12 +41,12 @@ SphereSamples::SphereSamples(const SphereAngles& angles, int wavelengths)
 }
 
 void SphereSamples::prepare(int wavelength, const std::vector<double>& phase, const Factor& factor) {
-  // Mixture weights: of a density that follows the phase function alone, of a uniform one, and of uniform
-  // azimuths. They cover angles and wavelengths between those of the tables.
+  // Weights in the mixture of densities: of one that follows the phase function alone, of a uniform one, and
+  // of uniform azimuths. They cover angles and wavelengths between those of the tables.
   constexpr double kPhaseShare = 0.04, kUniformShare = 0.02, kUniformAzimuths = 0.1;
   const std::size_t n = std::size_t(angles_.cells()), w = std::size_t(wavelengths_),
                     at = std::size_t(wavelength);
-  std::array<double, kBins> widths, middles;  // of the azimuths, over half a turn
+  std::array<double, kBins> widths, middles;  // widths and middles of the bins of azimuth, over half a turn
   for (int b = 0; b < kBins; ++b) {
     const double from = angle_of(2.0 * b / kBins), to = angle_of(2.0 * (b + 1) / kBins);
     widths[b] = (to - from) / kPiDouble, middles[b] = 0.5 * (from + to);
@@ -81,7 +81,7 @@ void SphereSamples::prepare(int wavelength, const std::vector<double>& phase, co
     float* cdf = &cdf_[(std::size_t(tilt) * w + at) * (n + 1)];
     for (std::size_t i = 0; i < n; below += mass[i++]) cdf[i] = float(below / sum);
     cdf[n] = 1;
-    // The density is that of the rounded table.
+    // The density is computed from the table as rounded to single precision.
     for (std::size_t i = 0; i < n; ++i)
       ring_[(std::size_t(tilt) * n + i) * w + at] =
           float((double(cdf[i + 1]) - double(cdf[i])) / angles_.area(int(i)));
@@ -119,7 +119,7 @@ Vec3 SphereSamples::sample(const Vec3& wi, Vec2 u, int wavelength) const {
   const float* cdf = &cdf_[(std::size_t(t) * std::size_t(wavelengths_) + std::size_t(wavelength)) * (n + 1)];
   const int cell = int(std::upper_bound(cdf + 1, cdf + n, u.x) - (cdf + 1));
   const float share = (u.x - cdf[cell]) / std::max(cdf[cell + 1] - cdf[cell], 1e-30f);
-  // Uniform over the ring's area.
+  // The position within the ring is uniform over its area.
   const bool forward = angles_.is_forward(cell);
   const float a = float(angles_.radius(angles_.ring(cell))),
               b = float(angles_.radius(angles_.ring(cell) + 1));
@@ -127,7 +127,7 @@ Vec3 SphereSamples::sample(const Vec3& wi, Vec2 u, int wavelength) const {
               other = std::sqrt(std::max(4 - r * r, 0.f));
   const float cosine = forward ? 1 - 0.5f * r * r : 0.5f * r * r - 1, sine = 0.5f * r * other;
 
-  // Choose a half of the turn and a bin of it; uniform within the bin.
+  // The azimuth: a half of the turn, a bin in it, and a uniform position in the bin.
   const float* row = &azimuth_[azimuth_row(t, group(cell), 0) + std::size_t(wavelength)];
   float rest = u.y < 0.5f ? 2 * u.y : 2 * u.y - 1;
   int bin = 0;

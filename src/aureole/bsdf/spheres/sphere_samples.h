@@ -36,7 +36,7 @@ private:
   static constexpr int kTilts = 16;         // angles of incidence, uniform in the cosine
   static constexpr int kBins = 16;          // bins of the azimuth, over half a turn
   static constexpr int kGroups = 128;       // groups of rings with their own azimuths; the last is uniform
-  static constexpr int kCellsPerGroup = 2;  // counted from the forward direction
+  static constexpr int kCellsPerGroup = 2;  // cells of a group, counted from the forward direction
 
   static int tilt(float z) { return int(std::min(std::abs(z), 1.f) * (kTilts - 1) + 0.5f); }
   /// Returns the group of a cell; cells beyond all groups, counted from the forward direction, belong to the
@@ -49,9 +49,10 @@ private:
 
   SphereAngles angles_;
   int wavelengths_ = 0;
-  std::vector<float> ring_;     // [tilt][cell][wavelength]: density per solid angle
-  std::vector<float> cdf_;      // [tilt][wavelength][cell]
-  std::vector<float> azimuth_;  // [tilt][group][bin][wavelength]: density relative to a uniform one
+  std::vector<float> ring_;  // density per solid angle by [tilt][cell][wavelength]
+  std::vector<float> cdf_;   // cumulative distribution by [tilt][wavelength][cell]
+  // density of azimuths relative to a uniform one, by [tilt][group][bin][wavelength]
+  std::vector<float> azimuth_;
 };
 
 }  // namespace aureole

@@ -23,7 +23,7 @@ struct SphereTables::Worker {
   std::vector<double> mu, phase, ring;
   std::vector<optics::MieAmplitudes> at, mirrored, specular;
   std::vector<double> energy, matrix, h, next;
-  int points = 0;  // of the following
+  int points = 0;  // number of points in the following arrays
   // Data of points on the sphere of directions: `Scattered` and weights; then for one incidence their
   // positions in the table of h and their power.
   std::vector<float> along, in, out, weight, place, share;
@@ -62,8 +62,8 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   if (has_peaks_) most = 256;
   if (largest > 2000) most = 128;
   const double cells = std::clamp(count, least, most);
-  // Samples and h vary less with the wavelength than the phase function; peaks of the structure factor move over
-  // the angles of h, so that it is computed at each node.
+  // Samples and h vary less with the wavelength than the phase function; peaks of the structure factor move
+  // over the angles of h, so that h is computed at each node where there are peaks.
   constexpr int kMostSampleCells = 32, kMostBalanced = 128;
   stride_ = std::max(4, int(std::ceil(cells / kMostSampleCells)));
   per_stride_ = 1 / float(stride_);
@@ -112,7 +112,8 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
   const std::complex<double> index = layer.relative_index(nm);
   const std::size_t stride = std::size_t(wavelengths_);
 
-  // One call for all cosines: first those of the phase function, then those of specular reflection.
+  // Mie's theory is evaluated by one call for all cosines: those of the phase function, then those of
+  // specular reflection.
   w.mu = samples_;
   for (int i = 0; i <= kCosines; ++i) {
     const double t = double(i) / kCosines, cosine = t * t;
@@ -144,7 +145,7 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
     extinction += size.weight * x * x * sphere.extinction();
     scattering += size.weight * x * x * sphere.scattering();
   }
-  // The spheres cover the plane as equal discs of the mean cross section would.
+  // The spheres cover the plane as equal discs of their mean cross section would.
   sizes_[node] = float(std::sqrt(spheres.size_squared));
 
   double power = 0;
@@ -204,7 +205,7 @@ void SphereTables::sum_row(int node, int i, Worker& w) const {
               *table = structure_.data(), size = sizes_[node];
   float* __restrict place = w.place.data(), * __restrict share = w.share.data();
   for (int k = 0; k < points; ++k) {
-    // `Scattered` inlined, for vectorisation.
+    // Components of `Scattered`, inlined for vectorisation.
     const float x = along[k] * sin_i + in[k] * cos_i;
     const float u = std::min(size * std::sqrt(x * x + out[k] * out[k]) * kStructureRate, kStructureEnd);
     const int cell = int(u);

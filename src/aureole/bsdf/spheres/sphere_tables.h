@@ -26,18 +26,19 @@ namespace aureole {
 
 /// A layer of spheres as a scene describes it.
 struct SphereLayer {
-  double radius_nm = 0;      ///< the median, if sizes differ
-  double area_fraction = 0;  ///< of the mean cross section
+  double radius_nm = 0;      ///< radius of the spheres; the median radius, if sizes differ
+  double area_fraction = 0;  ///< area fraction of the mean cross section
   optics::SizeDistribution sizes;
-  double spread = 0;                                              ///< standard deviation of ln(size)
-  std::shared_ptr<const optics::StructureFactor> structure;       ///< at area_fraction
-  std::function<double(double nm)> medium;                        ///< index around the spheres
-  std::function<std::complex<double>(double nm)> relative_index;  ///< index of the spheres over the medium's
+  double spread = 0;                                         ///< standard deviation of ln(size)
+  std::shared_ptr<const optics::StructureFactor> structure;  ///< structure factor at area_fraction
+  std::function<double(double nm)> medium;                   ///< index of refraction around the spheres
+  /// index of refraction of the spheres over the medium's
+  std::function<std::complex<double>(double nm)> relative_index;
 };
 
 class SphereTables {
 public:
-  /// Bounds of 2 pi n radius/lambda.
+  /// Bounds of the size parameter 2 pi n radius/lambda.
   static constexpr double kMinSize = 0.01, kMaxSize = 5000;
 
   SphereTables(const SphereLayer& layer, const SpectralGrid& grid);
@@ -50,7 +51,7 @@ public:
   Shares shares(float cos_i, const Spectrum& nm) const;
 
   struct Eval {
-    Spectrum value;  ///< f |cos o|
+    Spectrum value;  ///< value f |cos o|
     Spectrum pdf;    ///< pdf of `sample` times the fraction `lost` [1/sr]
   };
   Eval eval(const Vec3& wi, const Vec3& wo, const Spectrum& nm) const;
@@ -62,7 +63,7 @@ public:
 
 private:
   struct Worker;
-  static constexpr int kCosines = 96;  // cells of h and of the fractions, uniform in sqrt(cos)
+  static constexpr int kCosines = 96;  // number of cells of h and of the fractions, uniform in sqrt(cos)
 
   void plan(const SphereLayer& layer, const SpectralGrid& grid);
   void scatter(int node, const SphereLayer& layer, Worker& w);
@@ -103,16 +104,16 @@ private:
   int stride_ = 4;  // wavelength nodes per node of the samples
   float per_stride_ = 0.25f;
   int balance_stride_ = 1;        // wavelength nodes per node at which h is computed
-  bool has_peaks_ = false;        // of the structure factor
-  double first_ = 0, scale_ = 0;  // node = (1/nm - first) scale
-  std::vector<double> samples_;   // of mu >= 0, in the order of the nodes of one hemisphere
-  std::vector<int> sample_ends_;  // per node of the hemisphere
-  std::vector<double> albedos_;   // of a sphere, at each node, while tables are made
+  bool has_peaks_ = false;        // whether the structure factor has peaks
+  double first_ = 0, scale_ = 0;  // the node of a wavelength is (1/nm - first) scale
+  std::vector<double> samples_;   // cosines mu >= 0, in the order of the nodes of one hemisphere
+  std::vector<int> sample_ends_;  // end of the samples for each node of the hemisphere
+  std::vector<double> albedos_;   // single-scattering albedo of a sphere at each node, while tables are made
   std::vector<float> sizes_;      // k a of the correlation discs, per wavelength
   std::vector<float> structure_;
-  std::vector<float> phase_;                           // [angle][wavelength]
-  std::vector<float> h_;                               // [cosine][wavelength]
-  std::vector<float> transmitted_, reflected_, lost_;  // [cosine][wavelength]
+  std::vector<float> phase_;                           // phase function by [angle][wavelength]
+  std::vector<float> h_;                               // factor h by [cosine][wavelength]
+  std::vector<float> transmitted_, reflected_, lost_;  // fractions by [cosine][wavelength]
 };
 
 }  // namespace aureole

@@ -333,7 +333,7 @@ double LayeredStack::narrowest_lobe(const std::vector<optics::StackDescription>&
   for (const optics::StackDescription& d : stacks) {
     for (const optics::StackLayer& l : d.layers)
       if (l.scattering > 0) width = std::min(width, std::max(0.05, 1 - std::abs(l.phase.asymmetry())));
-    // Half width of the peak of a glossy substrate, at 30 degrees.
+    // Half width of the peak of a glossy substrate, measured at 30 degrees.
     if (d.brdf) {
       const double peak = d.brdf(0.866, 0.866, 0);
       double angle = 0.02;
@@ -365,7 +365,7 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     const auto fine = [&](int wide, int most, double power) {
       return std::clamp(int(std::lround(wide * std::pow(width, -power))), wide, most);
     };
-    constexpr int kMinDirections = 24;  // directions, if the scene gives no number
+    constexpr int kMinDirections = 24;  // number of directions, if the scene gives none
     auto directions = int(p_.get_int("directions", fine(kMinDirections, 64, 0.45), {8, 128}));
     const auto azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
     const auto streams_for = [&](int wanted) {
@@ -385,7 +385,7 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
                                  "possible: fewer directions, azimuths or wavelengths",
                                  megabytes, kLargestMegabytes));
     std::vector<double> phi;
-    // Dense about 0, where lobes are; near the horizon lobes are even narrower.
+    // Azimuths are dense about 0, where lobes are; near the horizon lobes are even narrower.
     for (int i = 0; i <= azimuths; ++i)
       phi.push_back(M_PI * std::pow(double(i) / azimuths, width < 0.5 ? 3 : 2));
     const int modes = std::min(streams, 16 + int(12 / width));

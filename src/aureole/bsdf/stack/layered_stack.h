@@ -33,8 +33,8 @@ public:
 private:
   struct Layer {
     MediumPtr medium;
-    double thickness_m, index;                ///< index at 589 nm
-    std::optional<RefractiveIndex> material;  ///< if the index depends on the wavelength
+    double thickness_m, index;                ///< thickness, and index of refraction at 589 nm
+    std::optional<RefractiveIndex> material;  ///< material, if its index depends on the wavelength
     double index_at(double nm) const { return material ? material->at(nm).real() : index; }
   };
   void read_layers();

@@ -47,7 +47,7 @@ float sample_flux(float x0, float x1, float a, float b, float u) {
   float v = u * sum;
   if (v < first) return 1 - std::cbrt(1 - v / first);
   v -= first;
-  // 3 t^2 - 2 t^3 = v, solved by the cosine of a third of an angle.
+  // Solution of 3 t^2 - 2 t^3 = v by the cosine of a third of an angle.
   if (v < middle) return 0.5f - std::sin(std::asin(1 - 2 * v / middle) * (1.f / 3));
   return last > 0 ? std::min(std::cbrt((v - middle) / last), 1.f) : 1;
 }
@@ -57,7 +57,8 @@ using Side = optics::StackKernels::Side;
 /// A node of the table, interpolated from the solver's nodes near it. K is the mean of two of them; fractions
 /// of light are smooth functions of the cosine, interpolated by a cubic through four.
 struct TableNode {
-  std::size_t first, second;  ///< equal for a node of the solver
+  /// indices of two nodes of the solver; equal where the table's node is one of them
+  std::size_t first, second;
   std::array<std::size_t, 4> near;
   std::array<double, 4> weight;
 
@@ -193,7 +194,7 @@ StackTable::StackTable(std::vector<optics::StackKernels> kernels, std::span<cons
 void StackTable::balance(std::span<const optics::StackKernels> kernels) {
   const std::size_t above = sides_[0].cosines.size(), below = sides_[1].cosines.size(), all = above + below,
                     turns = std::size_t(azimuths_);
-  // Integrals of the hat functions: over both halves of the azimuth, and over flux.
+  // Integrals of the hat functions: over azimuth (both halves of the circle), and over flux.
   std::vector<double> turn(turns, 0), flux(all, 0);
   for (std::size_t k = 0; k + 1 < turns; ++k) {
     const double d = double(phi_[k + 1]) - double(phi_[k]);
@@ -216,7 +217,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       return o < above ? &k.transmitted[(o * below + i - above) * turns]
                        : &k.reflected_below[((i - above) * below + o - above) * turns];
     };
-    // Sums over azimuth of K and of its square.
+    // Sums over azimuth of K and of its square, for each pair of nodes.
     std::vector<double> sums(all * all), squares(all * all), target(all), largest(all, 0), peak(all, 0);
     for (std::size_t i = 0; i < all; ++i) {
       target[i] = i < above ? k.above.scattered[i] : k.below.scattered[i - above];
@@ -273,7 +274,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       const bool s = i >= above;
       const optics::StackKernels::Side& from = s ? k.below : k.above;
       const std::size_t at = s ? i - above : i, to = at * std::size_t(wavelengths_) + std::size_t(w);
-      // The sum over the table: equal to the target unless nothing is scattered at all.
+      // The sum over the table, which equals the target unless nothing is scattered at all.
       sides_[s].scattered[to] = float(got(i));
       sides_[s].mirrored[to] = float(from.mirrored[at]), sides_[s].passed[to] = float(from.passed[at]);
       sides_[s].total[to] = sides_[s].scattered[to] + sides_[s].mirrored[to] + sides_[s].passed[to];
@@ -490,7 +491,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
   }
   int k = 0;
   for (choice *= sum; k < 3 && choice >= weight[k]; ++k) choice -= weight[k];
-  while (k > 0 && !(weight[k] > 0)) --k;  // rounding
+  while (k > 0 && !(weight[k] > 0)) --k;  // skips nodes of weight zero, which rounding may have chosen
   const int i = at.cell + k / 2, l = n.at[0] + k % 2;
 
   const std::size_t above = sides_[0].cosines.size(), all = above + sides_[1].cosines.size(),
@@ -498,7 +499,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
   const float *cdf = &side.cdf[first], *ring = &side.ring[first];
   auto j = std::size_t(std::upper_bound(cdf, cdf + all, u.x) - cdf);
   j = std::clamp<std::size_t>(j, 1, all - 1);
-  if (j == above) ++j;  // the step from one side to the other is not a cell
+  if (j == above) ++j;  // the step from the upper to the lower hemisphere is not a cell
   const bool out = j > above;
   const int o = int(out ? j - above : j) - 1;
   const float width = cdf[j] - cdf[j - 1];
@@ -507,7 +508,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
                               width > 0 ? std::clamp((u.x - cdf[j - 1]) / width, 0.f, 1.f) : 0.5f);
   const float cosine = std::lerp(x0, x1, t);
 
-  // The azimuth, for the row at t between two nodes. Both halves are alike.
+  // The azimuth, from the row at t between two nodes. The two halves of the circle are equal.
   const bool mirrored = u.y < 0.5f;
   const float v = mirrored ? 2 * u.y : 2 * u.y - 1;
   const float *p = row(in, out, i, o) + l, *q = row(in, out, i, o + 1) + l;

@@ -49,7 +49,8 @@ public:
     Spectrum scattered, mirrored, passed;
     Spectrum total() const { return scattered + mirrored + passed; }
   };
-  /// `below`: the reflectance of a Lambertian substrate; null if the substrate is part of the table.
+  /// Returns the fractions for light from wi. `below` is the reflectance of a Lambertian substrate; null if
+  /// the substrate is part of the table.
   Shares shares(const Vec3& wi, const Wavelengths& w, const Spectrum* below = nullptr) const;
   struct Value {
     Spectrum k;
@@ -72,9 +73,9 @@ public:
 
 private:
   struct Side {
-    std::vector<float> cosines;                             ///< from 0 to 1
+    std::vector<float> cosines;                             ///< cosines of the nodes, from 0 to 1
     std::vector<int> cells;                                 ///< cell of evenly spaced cosines, for the search
-    std::vector<float> scattered, mirrored, passed, total;  ///< [cosine][wavelength]
+    std::vector<float> scattered, mirrored, passed, total;  ///< fractions by [cosine][wavelength]
     /// For directions of incidence on this side: sums over azimuth of K n_o^2 by node above, then below, and
     /// the cumulative probability of the cells, [wavelength][cosine][node].
     std::vector<float> ring, cdf;
@@ -97,8 +98,8 @@ private:
                          std::span<const double> inner_indices);
   /// Terms of light that leaves a Lambertian substrate upward.
   struct Upward {
-    Spectrum scale;  ///< times t_i t_o: the term of K
-    Spectrum all;    ///< times t_i: the term of the scattered fraction
+    Spectrum scale;  ///< factor of t_i t_o in the term of K
+    Spectrum all;    ///< factor of t_i in the term of the scattered fraction
   };
   Upward upward(const Nodes& n, const Spectrum& below) const;
   /// Interpolates a table at this direction and these wavelengths.
@@ -123,7 +124,7 @@ private:
   Side sides_[2];
   std::vector<float> phi_;
   std::vector<int> phi_cells_;                     ///< cell of azimuths pi (i/n)^2, for the search
-  std::vector<float> reflected_[2], transmitted_;  ///< [cosine][cosine][azimuth][wavelength]
+  std::vector<float> reflected_[2], transmitted_;  ///< values of K by [cosine][cosine][azimuth][wavelength]
   double correction_ = 0;
   /// For a substrate, by wavelength: the fraction of its light that does not return, the sum of t over flux,
   /// and 1/(pi n^2) of the last layer.

@@ -206,8 +206,8 @@ private:
   Transmittance transmittance_;
 };
 
-/// Returns the relative index of refraction, as the hero wavelength transmitted along the normal reports it;
-/// 0 if there is none.
+/// Returns the relative index of refraction, taken from `eta` of a sample in which the hero wavelength is
+/// transmitted along the normal; 0 if there is none.
 float relative_index_of(const Bsdf& boundary, const Wavelengths& w) {
   const SurfacePoint anywhere;
   constexpr int kTries = 64;
@@ -239,7 +239,7 @@ Boundary make_boundary(const Properties& p) {
   const auto nested = p.get_children<Bsdf>("bsdf");
   if (nested.size() > 1)
     throw Error(nested[1]->properties().where(), "a bssrdf has one boundary, but this is its second BSDF");
-  // All are read in both cases, since they are documented for all plug-ins of the family.
+  // Both indices are read in any case, since they are documented for all plug-ins of the family.
   const Ior interior = Ior::from(p, "int_ior", "polypropylene"), exterior = Ior::from(p, "ext_ior", "air");
   Boundary b;
   if (nested.empty()) {

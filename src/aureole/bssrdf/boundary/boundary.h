@@ -8,11 +8,12 @@
 namespace aureole {
 
 struct Boundary {
-  SampledSpectrum relative_index;  ///< inside over outside, at the nodes of the scene's grid
+  /// index of refraction inside over outside, at the nodes of the scene's grid
+  SampledSpectrum relative_index;
   /// Reflects as the boundary does, and transmits with the lobe `enter`. The transmitted value lacks the
   /// factor n^2 by which refraction changes radiance, since the light returns to the outside.
   BsdfPtr entry;
-  BsdfPtr exit;  ///< T(w_o)/(c pi) cos theta_o, T and c as in bssrdf.h
+  BsdfPtr exit;  ///< the factor T(w_o)/(c pi) cos theta_o, with T and c as in bssrdf.h
 };
 
 /// Reads "bsdf", or "int_ior" and "ext_ior". Throws located Errors.

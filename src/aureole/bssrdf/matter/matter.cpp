@@ -66,7 +66,7 @@ Matter of_coefficients(const Properties& p) {
   const bool by_parts = p.has("sigma_a") || p.has("sigma_s");
   if (by_parts)
     refuse(p, {"sigma_t", "albedo"}, "give either \"sigma_t\" and \"albedo\" or \"sigma_a\" and \"sigma_s\"");
-  // All are read, so that each is checked.
+  // All coefficients are read before use, so that each is checked.
   const SampledSpectrum absorption = get_spectrum(p, "sigma_a", 0, SpectrumRole::unbounded);
   const SampledSpectrum scattering = get_spectrum(p, "sigma_s", 0, SpectrumRole::unbounded);
   const SampledSpectrum extinction = get_spectrum(p, "sigma_t", 1, SpectrumRole::unbounded);

@@ -12,7 +12,7 @@ namespace aureole {
 
 /// Coefficients at each node of the scene's grid, in 1/length of the scene.
 struct Matter {
-  std::vector<double> absorption, scattering, asymmetry;  ///< sigma_a, sigma_s, g
+  std::vector<double> absorption, scattering, asymmetry;  ///< sigma_a, sigma_s and the mean cosine g
 
   std::size_t size() const { return absorption.size(); }
   double extinction(std::size_t node) const { return absorption[node] + scattering[node]; }
@@ -20,19 +20,19 @@ struct Matter {
   double transport(std::size_t node) const { return absorption[node] + reduced_scattering(node); }
 };
 
-/// The reflectance of a thick body, without reflection at its boundary, and the reduced mean free path
-/// 1/(sigma_a + sigma_s (1 - g)).
+/// A material given by its appearance: the reflectance of a thick body, without reflection at its boundary,
+/// and the reduced mean free path 1/(sigma_a + sigma_s (1 - g)).
 struct ShownMatter {
   TexturePtr reflectance;
-  SampledSpectrum mean_free_path;  ///< in units of the scene, positive
+  SampledSpectrum mean_free_path;  ///< reduced mean free path in units of the scene, positive
 };
 
-/// Returns the documentation of the parameters of both, for plug-ins that read them.
+/// Returns the documentation of the parameters of both kinds of material, for plug-ins that read them.
 std::vector<ParameterDoc> matter_rows();
 
-/// Whether the parameters give a reflectance.
+/// Whether the parameters state a reflectance instead of coefficients.
 bool is_shown_matter(const Properties& properties);
-/// Both throw located Errors.
+/// Reads a material that is given by its reflectance. Throws located Errors, as the function below.
 ShownMatter read_shown_matter(const Properties& properties);
 Matter read_matter(const Properties& properties);
 

@@ -21,7 +21,7 @@ struct AmountUnit {
   double factor;
 };
 
-constexpr double kFootcandle = 10.763910416709722;  // lx, lm/ft^2
+constexpr double kFootcandle = 10.763910416709722;  // one foot-candle (lm/ft^2) in lx
 
 constexpr AmountUnit kAmountUnits[] = {{"W", Quantity::flux, false, 1},
                                        {"mW", Quantity::flux, false, 1e-3},

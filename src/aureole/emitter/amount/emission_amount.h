@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How strong an emitter is, stated with a unit: "800 lm", "60 W", "1200 cd", "500 lx", "3000 cd/m^2".
+// The strength of an emitter, stated with a unit: "800 lm", "60 W", "1200 cd", "500 lx", "3000 cd/m^2".
 #pragma once
 
 #include <optional>
@@ -15,10 +15,10 @@ namespace aureole {
 /// An amount in SI units.
 struct EmissionAmount {
   enum class Quantity {
-    flux,        ///< lm, W
-    intensity,   ///< cd, W/sr
-    irradiance,  ///< lx, W/m^2
-    radiance     ///< cd/m^2, W/(m^2 sr)
+    flux,        ///< in lm or W
+    intensity,   ///< in cd or W/sr
+    irradiance,  ///< in lx or W/m^2
+    radiance     ///< in cd/m^2 or W/(m^2 sr)
   } quantity = Quantity::flux;
   bool is_photometric = false;
   double value = 0;
@@ -28,18 +28,18 @@ struct EmissionAmount {
 /// Throws Error that lists them. The number must be positive and finite.
 EmissionAmount parse_emission_amount(std::string_view text);
 
-/// The value of an emitter's own spectral parameter (a radiance, an intensity, ...) that corresponds to one unit of an
-/// amount, with lengths in metres; 0: the emitter has no such quantity.
+/// For each quantity, the value of an emitter's own spectral parameter (a radiance, an intensity, ...) that
+/// corresponds to one unit of the amount, with lengths in metres; 0: the emitter has no such quantity.
 struct AmountFactors {
   double flux = 0, intensity = 0, irradiance = 0, radiance = 0;
 };
 
-/// The square of the scene's unit of length over that of a metre, inverse: intensities that are divided by squares of
-/// distances in scene units are multiplied by it, so that irradiances are per m^2.
+/// Factor (1 m / scene unit)^2 of intensities: they are divided by squares of distances in scene units, so
+/// that the factor makes irradiances per m^2.
 double per_square_unit(const Properties& properties);
 
-/// The rows of the parameters `amount`, `efficacy` and `color_temperature` of an emitter; `units` lists those that it
-/// takes, and `meaning` says of what.
+/// The rows of the parameters `amount`, `efficacy` and `color_temperature` of an emitter; `units` lists the
+/// units that it accepts, and `meaning` names the quantity.
 std::vector<ParameterDoc> with_amount_parameters(std::vector<ParameterDoc> rows, const std::string& units,
                                                  const std::string& meaning);
 
@@ -55,7 +55,7 @@ public:
   /// The factor by which the texture is multiplied so that the amount holds; 1 without an amount. `average` is the mean
   /// spectrum to which `factors` refer. Throws Error for an amount of a quantity that the emitter does not have.
   double scale(const AmountFactors& factors, const SampledSpectrum& average) const;
-  /// The texture with this factor.
+  /// Returns the texture multiplied by `scale`.
   TexturePtr scaled(const AmountFactors& factors) const;
 
 private:

@@ -21,7 +21,7 @@ std::vector<double> divide_angles(const std::vector<double>& angles, double step
 }  // namespace
 
 IntensitySampler::IntensitySampler(const optics::IntensityDistribution& d) : axes_(d.axes()) {
-  // In a cell of this size the intensity of usual luminaires varies little.
+  // Largest size of a cell in degrees, within which the intensity of usual luminaires varies little.
   constexpr double kAzimuthStep = 5, kPolarStep = 1;
   constexpr std::size_t kMostDivided = 1 << 17;
   std::vector<double> azimuths = d.is_rotational() ? std::vector<double>{0, 360} : d.azimuths();
@@ -38,7 +38,7 @@ IntensitySampler::IntensitySampler(const optics::IntensityDistribution& d) : axe
   weights.reserve(columns * rows);
   for (std::size_t j = 0; j < rows; ++j)
     for (std::size_t i = 0; i < columns; ++i) {
-      // Slightly inside the cell, where the table's last angles count as inside.
+      // The corners are moved slightly into the cell, so that the table's last angles count as inside.
       double mean = 0;
       for (const double a : {azimuths[i], azimuths[i + 1]})
         for (const double p : {polar[j], polar[j + 1]}) mean += 0.25 * d.at(a, p);

@@ -20,7 +20,7 @@ namespace {
 /// are uniform about the horizon, and never below 3/4 of the true value, so that no cell is undersampled
 /// much.
 constexpr double kSpread = 0.75;
-/// Added to the variance to keep it positive in every direction; larger than the rounding error.
+/// Variance that is added to keep the sum positive in every direction; larger than the rounding error.
 constexpr double kMinVariance = 1e-6;
 
 /// The first and the last level split a cell into two rows of four columns; the second one splits it into two
@@ -281,7 +281,8 @@ void LatLongDistribution::build_nodes(std::span<const float> weights, const Fram
 void LatLongDistribution::build_blocks(std::span<const float> weights) {
   const std::size_t columns = std::size_t(block_width_) * kBlockColumns;
   const std::size_t size = std::size_t(block_height_ * (1 + block_width_));
-  cdf_.resize(size * kBlockColumns * kBlockRows + 8);  // padded: the last search reads beyond its entries
+  // padding, since the last search reads beyond its entries
+  cdf_.resize(size * kBlockColumns * kBlockRows + 8);
   std::vector<double> sums(std::size_t(block_height_), 0.0);
   for (int row = 0; row < kBlockRows; ++row)
     for (int column = 0; column < kBlockColumns; ++column) {

@@ -35,7 +35,7 @@ public:
 
 private:
   using Octet = float __attribute__((vector_size(32)));
-  static constexpr int kCovariances = 6;  ///< xx, yy, zz, xy, yz, xz
+  static constexpr int kCovariances = 6;  ///< covariances xx, yy, zz, xy, yz, xz
   /// The eight children of a cell: their masses, and the mean and scaled covariance of the world directions
   /// in each.
   struct Node {
@@ -47,8 +47,8 @@ private:
   void build_nodes(std::span<const float> weights, const Frame& frame);
   void build_blocks(std::span<const float> weights);
 
-  int block_width_ = 0, block_height_ = 0;  ///< in cells
-  std::vector<Node> nodes_;                 ///< 1 + 8 + 64
+  int block_width_ = 0, block_height_ = 0;  ///< size of a block in cells
+  std::vector<Node> nodes_;                 ///< nodes of the three levels, 1 + 8 + 64
   /// Per block: the CDF of its rows, then the CDF of the cells of each row.
   std::vector<float> cdf_;
 };

@@ -19,7 +19,7 @@ struct Channels {
 /// A function on [0, 1] for all channels at once, tabulated.
 class ChannelTable {
 public:
-  template <class F>  // double(channel, x)
+  template <class F>  // `f` is double(channel, x)
   ChannelTable(int cells, F&& f) : rows_(std::size_t(cells) + 1) {
     for (std::size_t i = 0; i < rows_.size(); ++i)
       for (std::size_t c = 0; c < optics::SkyModel::kChannels; ++c)

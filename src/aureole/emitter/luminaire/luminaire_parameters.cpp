@@ -24,7 +24,7 @@ LuminaireOptions luminaire_options(const Properties& p) {
   return options;
 }
 
-/// The spectrum of the light, of any strength.
+/// Returns the spectrum of the light; its scale is arbitrary.
 TexturePtr relative_spectrum(const Properties& p) {
   if (!p.has("color_temperature")) {
     p.find("color_temperature");

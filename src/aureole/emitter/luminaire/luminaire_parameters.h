@@ -11,12 +11,12 @@
 
 namespace aureole {
 
-/// A luminaire as an emitter uses it.
+/// A luminaire in the form that emitters use.
 struct LuminaireLight {
-  Luminaire luminaire;  ///< intensities [cd] with all factors of the scene
-  TexturePtr
-      per_candela;  ///< spectral radiant intensity of 1 cd [W/(sr nm)], times (scene units per metre)^2
-  double flux = 0;  ///< [lm]
+  Luminaire luminaire;  ///< intensities [cd], including all factors of the scene
+  /// spectral radiant intensity of 1 cd [W/(sr nm)], times (scene units per metre)^2
+  TexturePtr per_candela;
+  double flux = 0;  ///< luminous flux [lm]
 
   double candela(const Vec3& local) const {
     return luminaire.distribution.intensity({double(local.x), double(local.y), double(local.z)});
@@ -27,7 +27,7 @@ struct LuminaireLight {
 /// integral of the intensities agree. Throws located errors.
 LuminaireLight get_luminaire(const Properties& properties);
 
-/// The rows of these parameters before `rows`.
+/// Returns the table rows of a luminaire's parameters, followed by `rows`.
 std::vector<ParameterDoc> luminaire_parameter_rows(std::vector<ParameterDoc> rows);
 
 }  // namespace aureole

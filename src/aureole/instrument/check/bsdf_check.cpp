@@ -63,7 +63,7 @@ private:
   BsdfContext context(CheckQuery query) const { return {wavelengths(query.hero), point_, query.mode, 0}; }
 
   const Bsdf& bsdf_;
-  const ArrayBsdf* arrays_;  // null: the BSDF has no array methods
+  const ArrayBsdf* arrays_;  // array methods of the BSDF; null: it has none
   std::shared_ptr<const Shape> shape_;
   SurfacePoint point_;
 };

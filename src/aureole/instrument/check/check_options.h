@@ -31,15 +31,16 @@ struct CheckOptions {
   std::function<std::vector<Vec3>(const Vec3& wi)> focus;
   double focus_angle = 0.02;
   double min_nm = 0, max_nm = 0;  ///< wavelength range; both zero: the whole tabulated range
-  std::size_t samples = 300000;   ///< for each of 6 directions and 2 hero wavelengths
-  double tolerance = 2e-3;        ///< of energies and masses computed by quadrature
-  double bin_tolerance = 1e-6;  ///< of the integrals over one bin, which is divided until they change by less
+  std::size_t samples = 300000;   ///< number of samples for each of 6 directions and 2 hero wavelengths
+  double tolerance = 2e-3;        ///< tolerance of energies and masses computed by quadrature
+  double bin_tolerance =
+      1e-6;  ///< tolerance of the integrals over one bin, which is divided until they change by less
   /// The `bin_tolerance` for fewer than the usual 300,000 samples, proportional to their statistical noise
   /// per bin.
   static double bin_tolerance_for(std::size_t samples) {
     return 1e-6 * std::sqrt(3e5 / double(std::min<std::size_t>(samples, 300000)));
   }
-  std::size_t most_bins = 1000000;  ///< quadrature stops at this number
+  std::size_t most_bins = 1000000;  ///< number of bins at which quadrature stops
   /// Probability that a correct function of the family fails any of the statistical tests.
   double significance = 0.01;
   std::size_t family_size = 1;  ///< number of functions checked together; `significance` applies to the tests

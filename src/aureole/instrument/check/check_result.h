@@ -31,16 +31,16 @@ const char* name_of(CheckRule rule);
 /// The result of one test, for one direction and hero wavelength if it depends on them.
 struct CheckFinding {
   CheckRule rule = CheckRule::sample;
-  Vec3 wi = {};   ///< zero: many directions
-  double nm = 0;  ///< zero: all wavelengths
+  Vec3 wi = {};   ///< direction of incidence; zero: many directions
+  double nm = 0;  ///< hero wavelength; zero: all wavelengths
   /// The measured number: chi-square, frequency, integral, energy, or else the largest relative deviation.
   double figure = 0;
   double expected = 0;
-  double p_value = -1;  ///< of a statistical test; otherwise negative
+  double p_value = -1;  ///< p-value of a statistical test; negative for other tests
   double limit = 0;     ///< smallest accepted p-value, or else the largest accepted difference from
                         ///< `expected`
   bool passed = true;
-  std::string message = {};  ///< a sentence, if it failed
+  std::string message = {};  ///< a sentence about the failure, if the test failed
 };
 
 struct CheckResult {
@@ -76,10 +76,11 @@ struct CheckResult {
   std::size_t statistical_tests = 0;
   double smallest_p = 1, largest_energy = 0, smallest_energy = 1, largest_mass_error = 0;
   double largest_failure = 0;  ///< largest fraction of samples without a direction
-  bool black_below = false;    ///< as measured
+  bool black_below = false;    ///< whether nothing is scattered from below, as measured
 
   bool passed() const;
-  std::vector<std::string> problems() const;  ///< sentences; empty if all tests passed
+  std::vector<std::string> problems()
+      const;  ///< Returns sentences about the failed tests; empty if all tests passed.
 };
 
 }  // namespace aureole

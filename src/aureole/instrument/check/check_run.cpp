@@ -11,7 +11,8 @@ namespace aureole::check {
 
 namespace {
 
-constexpr int kTestsPerRun = 10;  // chi-square, energy, and up to eight delta lobes
+// upper bound of the tests per run: chi-square, energy, and up to eight delta lobes
+constexpr int kTestsPerRun = 10;
 
 }  // namespace
 
@@ -26,7 +27,7 @@ CheckRun::CheckRun(const ScatteringFunction& function, const CheckOptions& optio
   if (options.samples < 1000) throw Error(sentence("samples: expected at least 1000, got ", options.samples));
   result_.level = sidak_level(options.significance,
                               options.family_size * std::size_t(kIncidences * kHeroes * kTestsPerRun));
-  // Quadrature needs about as many calls as sampling.
+  // The progress assumes that quadrature needs about as many calls as sampling.
   expected_calls_ = double(options.samples) * 2.2 * kIncidences * kHeroes +
                     double(options.samples) * 1.1 * 2 * double(options.energy_angles.size()) + 1e5;
   find_indices();

@@ -19,7 +19,8 @@ namespace aureole::check {
 
 using MaybeSample = std::optional<BsdfSample>;
 
-constexpr float kAngles[] = {20.f, 60.f, 85.f};  ///< of wi, each from above and from below [degrees]
+constexpr float kAngles[] = {
+    20.f, 60.f, 85.f};  ///< angles of wi from the normal, each above and below the surface [degrees]
 constexpr int kIncidences = 6;
 constexpr int kHeroes = 2;  ///< hero wavelengths of the tests that need many samples
 

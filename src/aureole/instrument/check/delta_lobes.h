@@ -13,7 +13,7 @@ struct DeltaLobe {
   Lobe lobe;
   Vec3 wo;
   Spectrum value, mass;
-  std::size_t count = 0;  ///< samples
+  std::size_t count = 0;  ///< number of samples in the lobe
 };
 
 /// Whether the sample belongs to the lobe. A lobe is identified by type, direction, mass and value, because

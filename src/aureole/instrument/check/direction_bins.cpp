@@ -44,7 +44,7 @@ DirectionBins::DirectionBins(const Function& f, const Options& options)
           },
           options) {}
 
-// Divides level by level, so that the function is evaluated for many directions at once.
+// The quadtree is divided level by level, so that the function is evaluated for many directions at once.
 DirectionBins::DirectionBins(const ArrayFunction& f, const Options& options) : nodes_(6) {
   std::vector<Pending> level;
   for (int face = 0; face < 6; ++face) level.push_back({face, {face, -1, -1, 2}, {}, {}});

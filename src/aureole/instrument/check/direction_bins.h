@@ -30,11 +30,11 @@ public:
     double largest_mass = 1.0 / 256;  ///< bins with more mass are divided
     double tolerance = 1e-6;          ///< absolute tolerance of a bin's integrals
     int least_depth = 3, greatest_depth = 15;
-    std::vector<Vec3> focus;          ///< bins near these directions are divided down to `focus_angle`
-    double focus_angle = 0.02;        ///< [rad]
-    std::vector<Vec3> pilot;          ///< samples that locate narrow lobes; different from the tested samples
-    std::size_t most_bins = 4000000;  ///< limit, as a function without any smoothness would be divided
-                                      ///< without end
+    std::vector<Vec3> focus;    ///< bins near these directions are divided down to `focus_angle`
+    double focus_angle = 0.02;  ///< size of bins near the directions of `focus` [rad]
+    std::vector<Vec3> pilot;    ///< samples that locate narrow lobes; different from the tested samples
+    /// upper bound of the number of bins, as a function without any smoothness would be divided without end
+    std::size_t most_bins = 4000000;
   };
 
   struct Bin {
@@ -47,7 +47,7 @@ public:
   DirectionBins(const ArrayFunction& f, const Options& options);
   DirectionBins(const Function& f, const Options& options);
 
-  /// In the order of the tree, so that neighbouring bins are close together.
+  /// Bins in the order of the tree, so that neighbouring bins are close together.
   const std::vector<Bin>& bins() const { return bins_; }
   std::vector<double> masses() const;
   std::size_t find(const Vec3& direction) const;

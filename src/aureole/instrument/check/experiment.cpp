@@ -68,7 +68,7 @@ std::optional<DirectionBins> make_bins(CheckRun& run, const Vec3& wi, int hero, 
             values[i] = {e.pdf[0], e.value};
             continue;
           }
-          // Replaced by zero, so that one invalid value does not hide all other findings.
+          // The invalid value is replaced by zero, so that it does not hide all other findings.
           if (finite.figure++ == 0) finite.message = invalid_eval(e, wi, wo[i]);
         }
       },

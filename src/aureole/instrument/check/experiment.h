@@ -19,7 +19,7 @@ struct Experiment {
   std::string where;  ///< the direction and the hero wavelength, for messages
   DirectionBins bins;
   std::vector<std::size_t> counts;  ///< samples in each bin
-  std::vector<DeltaLobe> deltas;    ///< with their sample counts, which may be zero
+  std::vector<DeltaLobe> deltas;    ///< delta lobes with their sample counts, which may be zero
   std::size_t smooth = 0, none = 0;
   double weight = 0, weight2 = 0;  ///< sums of value/pdf at the hero wavelength, and of its square
 };
@@ -28,7 +28,7 @@ struct Experiment {
 /// Adds findings of the rules `sample` and `finite`; returns nothing if samples are invalid.
 std::optional<DirectionBins> make_bins(CheckRun& run, const Vec3& wi, int hero, SeededRandom& random);
 
-/// Returns nothing if samples are invalid, after adding a finding.
+/// Samples one direction and hero wavelength. Returns nothing if samples are invalid, after adding a finding.
 std::optional<Experiment> make_experiment(CheckRun& run, const Vec3& wi, int hero);
 
 }  // namespace aureole::check

@@ -16,7 +16,7 @@ namespace aureole::check {
 
 /// The first fault found in some samples.
 struct SampleFault {
-  std::string message;  ///< empty: there is none
+  std::string message;  ///< description of the fault; empty: there is none
   CheckRule rule = CheckRule::sample;
 };
 /// Rule `sample`: samples for wi are valid and have the value and pdf of `eval_pdf`. `worst` is raised to the

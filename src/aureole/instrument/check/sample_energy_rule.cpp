@@ -13,7 +13,7 @@ void check_sample_energy(CheckRun& run, const Experiment& e, double energy) {
   CheckFinding finding{CheckRule::sample_energy, e.wi, e.nm};
   finding.figure = mean_weight;
   finding.expected = energy;
-  // Allows for errors of quadrature and of single precision.
+  // The p-value allows for errors of quadrature and of single precision.
   finding.p_value =
       normal_p_value(std::max(std::abs(mean_weight - energy) - 1e-4, 0.0) / std::sqrt(variance + 1e-12));
   finding.limit = run.level();

@@ -8,7 +8,7 @@ namespace aureole {
 
 SpectralGrid ScatteringFunction::grid_of(const Object& object, const CheckOptions& options) {
   if (const auto context = object.properties().shared_context()) return context->grid;
-  // The object was not made from a scene and has no grid.
+  // The range of the options, or a default: the object was not made from a scene and has no grid.
   const bool given = options.min_nm > 0 && options.max_nm > options.min_nm;
   return given ? SpectralGrid::over(options.min_nm, options.max_nm) : SpectralGrid{};
 }

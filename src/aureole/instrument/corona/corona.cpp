@@ -33,7 +33,7 @@ std::pair<double, double> polar_about(Direction lamp, Direction v) {
 
 bool PictureParts::has_azimuth(double azimuth) const {
   double end = to;
-  while (end <= from) end += 360;  // the range goes through 0
+  while (end <= from) end += 360;  // the range of azimuths passes through 0
   return azimuth - 360 * std::floor((azimuth - from) / 360) <= end;
 }
 
@@ -101,8 +101,8 @@ double CoronaProfile::extremum(int c, double from, bool maximum, double window) 
 }
 
 std::array<double, 2> brightest_spot(const Image& image, const PictureParts& parts) {
-  // The centroid of the pixels near the brightest white pixel whose brightness is a large fraction of its
-  // brightness.
+  // Finds the centroid of the white pixels near the brightest white pixel that have at least a certain
+  // fraction of its brightness.
   const auto white = [&](int i, int j) {
     if (parts.is_masked(i + 0.5, j + 0.5)) return -INFINITY;
     const auto value = [&](const char* name) { return image.at(i, j, size_t(image.channel(name))); };
@@ -170,7 +170,7 @@ std::array<double, 3> corona_colour(const LampSpectrum& lamp,
         xyz[2] += response(observer.z) * j;
   }
   float out[3];
-  // Scaled to keep single precision away from its limits.
+  // The sum is scaled to keep single precision away from its limits.
   for (double& v : xyz) v *= 1e12;
   xyz_to_srgb(xyz, out);
   return {out[0], out[1], out[2]};

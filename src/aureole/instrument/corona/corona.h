@@ -29,7 +29,8 @@ struct PinholeCamera {
   }
 };
 
-/// Angle from the light source in degrees, and azimuth around it in degrees: 0 to the right, 90 upwards.
+/// Returns the angle between a direction and the light source in degrees, and the azimuth around the light
+/// source in degrees: 0 to the right, 90 upwards.
 std::pair<double, double> polar_about(Direction lamp, Direction v);
 
 /// The pixels to be used: azimuths `from` ... `to` in degrees, without discs (x, y, radius in pixels). `from` 300 and
@@ -65,7 +66,8 @@ struct CoronaProfile {
 std::array<double, 2> brightest_spot(const Image& image, const PictureParts& parts = {});
 
 /// Centre of a corona [pixels]: the brightest spot or, where values of at least `clip` cover an area, the point about
-/// which the picture is most symmetric. Masked discs are left out, azimuths are not: they are known about a centre.
+/// which the picture is most symmetric. Masked discs are left out; the range of azimuths is not applied,
+/// since azimuths need a centre.
 std::array<double, 2> corona_centre(const Image& image, double clip, const PictureParts& parts);
 
 /// Relative power of a light source at wavelengths in nm.

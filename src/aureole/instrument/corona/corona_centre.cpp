@@ -41,7 +41,7 @@ public:
 
   struct Asymmetry {
     double difference;  ///< mean over the pixels whose opposite is in the picture; infinite if they are few
-    double visible;     ///< their share
+    double visible;     ///< fraction of the pixels whose opposite is in the picture
   };
   /// Compares pixels with those opposite to them, within `radius` pixels of a centre.
   Asymmetry asymmetry(const Point& c, double radius) const {
@@ -61,7 +61,7 @@ public:
         const double s = ox - i, t = oy - k;
         const double opposite = (1 - t) * ((1 - s) * double(log_(k, i)) + s * double(log_(k, i + 1))) +
                                 t * ((1 - s) * double(log_(k + 1, i)) + s * double(log_(k + 1, i + 1)));
-        // Single objects on one side differ much, and count no more than this.
+        // Upper bound of a pixel's difference, so that single objects on one side of the centre count little.
         sum += std::min(std::abs(double(log_(y, x)) - opposite), 1.0);
         ++pairs;
       }
@@ -101,11 +101,11 @@ Point corona_centre(const Image& image, double clip, const PictureParts& parts) 
     return cv::contourArea(a) < cv::contourArea(b);
   });
   const double size = std::sqrt(cv::contourArea(*largest) / M_PI);
-  // A clipped spot of a few pixels is the source itself.
+  // A clipped spot of a few pixels is the light source itself.
   if (size < 3) return brightest;
 
-  // Starts: the middle of the largest clipped region with all that it surrounds, the circle along its outline
-  // where that is not the border of the picture, and the brightest spot.
+  // Starting points: the middle of the largest clipped region with all that it surrounds, the centre of the
+  // circle along its outline where that is not the border of the picture, and the brightest spot.
   const cv::Moments moments = cv::moments(*largest);
   std::vector<Point> starts{{moments.m10 / moments.m00 + 0.5, moments.m01 / moments.m00 + 0.5}, brightest};
   std::vector<cv::Point> inner;
@@ -116,7 +116,8 @@ Point corona_centre(const Image& image, double clip, const PictureParts& parts) 
     if (const auto [centre, radius] = circle_through(inner);
         radius > 0 && radius < 2 * std::max(image.width, image.height)) {
       starts.push_back(centre), reach = std::max(reach, radius);
-      // Where the picture ends beside the centre, too little of it has an opposite, and the outline tells more.
+      // Where the picture ends beside the centre, too few pixels have an opposite, and the outline's circle
+      // is the better estimate.
       if (measure.asymmetry(centre, radius).visible < 0.7) return centre;
     }
 

@@ -94,7 +94,8 @@ public:
       for (size_t i = 0; i < n; ++i) columns[0][i] = shape[i][c], columns[1][i] = 1, columns[2][i] = p_.s[i];
       Linear l = solve(columns, y_[c], weight_[c]);
       factor_[c] = l.coefficients.at<double>(0);
-      // The linear fit of a colour that the source hardly has may be negative; the factor must not be.
+      // For a colour that the source hardly emits the linear fit may give a negative factor, which is
+      // invalid.
       if (factor_[c] < 0) {
         factor_[c] = 0;
         l = solve({columns[1], columns[2]}, y_[c], weight_[c]);
@@ -110,7 +111,7 @@ public:
     return sum;
   }
 
-  /// Misfit of smooth light without rings: a cubic polynomial for each colour.
+  /// Misfit of smooth light without rings, a cubic polynomial for each colour.
   double smooth_misfit() const {
     double sum = 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -274,7 +275,7 @@ CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model, CoronaSizes 
     if (!(fitter.range(c) > 0))
       throw Error("no ring is visible: a colour of the picture is constant around the lamp");
 
-  // Assumes that the first maximum or the first minimum is inside the picture.
+  // The start assumes that the first maximum or the first minimum is inside the picture.
   const double first = kFirstRing * kMiddleWavelength / (2 * M_PI);
   const double least = first / (0.8 * p.s.back()), most = 2.5 * first / p.s.front();
   CoronaFit fit;
@@ -292,7 +293,8 @@ CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model, CoronaSizes 
   fit.second_radius = found.second_radius, fit.second_share = found.second_share;
   fitter.errors(x, fit);
   if (sizes == CoronaSizes::spread && fit.spread < kMinFittedSpread) {
-    // The derivative by the spread vanishes there, and with it what an error means: a fit of one size.
+    // The derivative by the spread vanishes at a spread of zero, and the error of the spread is undefined
+    // there: a fit of one size replaces it.
     return fit_corona(p, model, CoronaSizes::one);
   }
   if (fit.second_share > 0.5) {

@@ -26,7 +26,7 @@ inline constexpr double kMaxFittedFraction = optics::kMaxEquilibriumFraction;
 /// Means over rings around the source in steps of s, without outliers.
 struct ScatteredProfile {
   double step = 0;
-  std::vector<double> s;                        ///< mean of each ring
+  std::vector<double> s;                        ///< position s of each ring, as the mean of its pixels
   std::vector<std::array<double, 3>> mean, sd;  ///< linear R, G, B, and standard errors of the means
 };
 
@@ -36,26 +36,26 @@ struct PaneGeometry {
   double slab_index = 0;  ///< IOR of a pane that dims light by Fresnel reflection; 0: none
 };
 
-/// Measures rings from `inner` up to s = 0.5 or up to the largest of which a sufficient part is visible. A
-/// ring with a channel at or above `clip` is excluded.
+/// Measures rings from `inner` up to s = 0.5, or up to the largest ring of which a sufficient part is
+/// visible. A ring with a channel at or above `clip` is excluded.
 ScatteredProfile scattered_profile(const Image& linear, const PinholeCamera& camera, Direction lamp,
                                    const PictureParts& parts, const PaneGeometry& geometry, double inner,
                                    double clip);
 
 /// Circular scatterers of one size, of a log-normal distribution of sizes, or of two sizes.
 struct CoronaScatterers {
-  double radius = 0;         ///< [m]; the median of a distribution, the first of two sizes
-  double area_fraction = 0;  ///< covered by all of them
+  double radius = 0;         ///< radius [m]; the median of a distribution, or the first of two sizes
+  double area_fraction = 0;  ///< area fraction covered by all scatterers
   double spread = 0;         ///< standard deviation of ln(radius)
   double second_radius = 0;  ///< [m]
-  double second_share = 0;   ///< of the covered area, by scatterers of the second size
+  double second_share = 0;   ///< fraction of the covered area that scatterers of the second size cover
 };
 
 /// The model's three colours without factors, at s = i step, for a light source that is a disc of angular
 /// radius `blur`.
 class CoronaModel {
 public:
-  /// Positions of hard discs in equilibrium, or of the theory by which `correlated_scatterers` places them by
+  /// Positions of hard discs in equilibrium, or positions by the theory that `correlated_scatterers` uses by
   /// default. Near an area fraction of 0.5 the first ring of the theory is 3.5 % fainter.
   enum class Positions { equilibrium, percus_yevick };
   CoronaModel(const LampSpectrum& lamp, double largest_s, double blur,
@@ -76,12 +76,12 @@ private:
   };
   /// Extends g_ up to `largest_u`.
   void tabulate(const CoronaScatterers& scatterers, double largest_u);
-  /// Returns J at u, on any scale, for the sizes in `sizes_`.
+  /// Returns J at u, up to a constant factor, for the sizes in `sizes_`.
   double mixture_intensity(double u) const;
-  /// Returns by how much 1/S' of equal discs is larger than that of theory.
+  /// Returns by how much 1/S' of equal discs is larger than in the theory (S' the static structure factor).
   double correction(double u, double area_fraction) const;
-  const Colour& sharp(size_t i);    ///< for a point source
-  const Colour& blurred(size_t i);  ///< for the disc
+  const Colour& sharp(size_t i);    ///< colour for a point source
+  const Colour& blurred(size_t i);  ///< colour for a disc-shaped source
 
   std::vector<Line> lines_;
   double largest_s_, step_, blur_;
@@ -94,10 +94,10 @@ private:
     int size_class;
   };
   double radius_ = 0, tabulated_ = -1, step_u_ = 0;
-  std::vector<Size> sizes_;  ///< empty for scatterers of one size
+  std::vector<Size> sizes_;  ///< sizes of the scatterers; empty for scatterers of one size
   std::optional<optics::HardDiscMixture> mixture_;
-  std::vector<double> g_;                    ///< J at steps of u, on any scale
-  std::vector<optics::HardDiscWave> waves_;  ///< at the steps of u, for any area fraction
+  std::vector<double> g_;                    ///< J at steps of u, up to a constant factor
+  std::vector<optics::HardDiscWave> waves_;  ///< Fourier amplitudes at the steps of u, for any area fraction
   Table sharp_, blurred_;
 };
 
@@ -106,16 +106,16 @@ enum class CoronaSizes { one, spread, two };
 
 /// Values with their standard errors; lengths in m.
 struct CoronaFit {
-  double radius = 0, radius_error = 0;  ///< of two sizes that which covers more
+  double radius = 0, radius_error = 0;  ///< radius; of two sizes the one that covers more area
   double area_fraction = 0, area_fraction_error = 0;
   double spread = 0, spread_error = 0;
   double second_radius = 0, second_radius_error = 0;
   double second_share = 0, second_share_error = 0;
   double second_correlation = 0;  ///< correlation of the errors of the second radius and the area fraction
-  double correlation = 0;         ///< correlation of the two errors
+  double correlation = 0;         ///< correlation of the errors of radius and area fraction
   bool fraction_fixed = false;
-  double residual = 0;                       ///< RMS, relative to the profile's range
-  std::vector<std::array<double, 3>> model;  ///< at the profile's rings
+  double residual = 0;                       ///< RMS of the residuals, relative to the profile's range
+  std::vector<std::array<double, 3>> model;  ///< values of the model at the profile's rings
 };
 
 /// Rings hardly depend on a spread of sizes below this; fits then return 0.
@@ -124,10 +124,10 @@ inline constexpr double kMinFittedSpread = 0.02;
 /// Largest RMS of the residuals of a good fit, over the range of the profile. Above it the model does not describe the
 /// picture; fits of good pictures have 1.5 %.
 inline constexpr double kGoodResidual = 0.03;
-/// Largest such RMS of a good fit of several sizes; fits of good pictures have 0.4 %.
+/// Largest RMS of the residuals of a good fit of several sizes; fits of good pictures have 0.4 %.
 inline constexpr double kGoodResidualOfSizes = 0.01;
 
-/// Throws Error if no ring is significant above the smooth light.
+/// Fits the profile. Throws Error if no ring is significant above the smooth light.
 CoronaFit fit_corona(const ScatteredProfile& profile, CoronaModel& model,
                      CoronaSizes sizes = CoronaSizes::one);
 

@@ -13,12 +13,12 @@
 namespace aureole {
 namespace {
 
-// Steps of u for one size, and for several, which take a hundred times as long.
+// Step of u for one size, and a wider step for several sizes, which take a hundred times as long.
 constexpr double kStepU = 0.02, kMixtureStepU = 0.04;
 constexpr double kEndU = 200;
 constexpr int kTableS = 1500;
 
-/// Mean and its standard error without outliers (other light sources), which are farther than five standard
+/// Mean and its standard error without outliers (other light sources): values farther than five standard
 /// deviations from the median. The deviation is estimated from the median absolute deviation.
 std::pair<double, double> clipped_mean(std::vector<double>& v) {
   const auto median = [](std::vector<double>& x) {
@@ -96,7 +96,7 @@ void CoronaModel::tabulate(const CoronaScatterers& x, double largest_u) {
     if (x.area_fraction != tabulated_) g_.clear();
     tabulated_ = x.area_fraction;
   }
-  // Most fits use a small part of the table's range of u.
+  // The table is extended on demand, since most fits use a small part of its range of u.
   const size_t needed = size_t(std::min(largest_u, kEndU) / step_u_) + 2;
   while (!mixture_ && waves_.size() < needed) waves_.emplace_back(double(waves_.size()) * step_u_);
   while (g_.size() < needed) {
@@ -138,7 +138,7 @@ double CoronaModel::mixture_intensity(double u) const {
               correction(u * 0.5 * (mixture_->radius(m) + mixture_->radius(l)), mixture_->area_fraction());
   }
   const optics::Cholesky cholesky(std::move(matrix), n);
-  if (!cholesky.is_definite()) return NAN;  // which no fit accepts
+  if (!cholesky.is_definite()) return NAN;  // NaN makes the fit reject these parameters
   const std::vector<double> x = cholesky.solve(amplitude);
   for (int m = 0; m < n; ++m) intensity += amplitude[size_t(m)] * x[size_t(m)];
   return std::max(intensity, 0.0);

@@ -128,7 +128,8 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
     if (std::abs(r0[i]) > 5 && std::abs(r0[i]) * error > 0.1 * rings[i].angle_deg * kDegree)
       throw Error(
           "--angles: no radius has extrema at these angles; check their order, kind (max, min) and colour");
-  // (X^T X)^-1 times the larger of the squares of the given error and of the residuals' error.
+  // Covariance: (X^T X)^-1 times the square of the given error or of the residuals' error, whichever is
+  // larger.
   const double hr = 2e-3, hf = fit.area_fraction > 0.6 ? -0.01 : 0.01;
   const auto r1 = residuals(fit.radius * (1 + hr), fit.area_fraction);
   const auto r2 = residuals(fit.radius, fit.area_fraction + (fit.fraction_fixed ? 0 : hf));

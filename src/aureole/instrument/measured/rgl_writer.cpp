@@ -12,8 +12,8 @@
 namespace aureole {
 namespace {
 
-/// Share of an even distribution of normals (D = 1/pi) in the estimate: every direction can be reached, so that what
-/// retro-reflection does not show is held by the spectra.
+/// Fraction of a uniform distribution of normals (D = 1/pi) in the estimate. It gives every direction a
+/// positive density, so that the spectra hold the scattering that retro-reflection does not show.
 constexpr double kEvenNormals = 0.01;
 constexpr int kPowerIterations = 40;
 
@@ -59,13 +59,13 @@ RglFile make_rgl_file(const ScatteringProbe& probe, const RglWriterSettings& s) 
   const bool is_isotropic = s.azimuths == 1;
   const NormalGrid grid(s.normals, s.normals / (is_isotropic ? 4 : 2) + 1);
   const std::size_t width = std::size_t(grid.width), height = std::size_t(grid.height);
-  // Retro-reflection.
+  // f(m, m) of retro-reflection at each normal m.
   std::vector<double> retro(grid.size());
   for_ranges(
       grid.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-          // The rows of an isotropic distribution are equal.
+          // The rows of an isotropic distribution are equal, so that the first row serves for all.
           const Vec3& m = grid.normals[is_isotropic ? k % width : k];
           const Vec3 w = m.z > 1e-3f ? m : normalize(Vec3{m.x, m.y, 1e-3f});
           retro[k] = std::max(probe.mean(w, w), 0.0) * double(w.z);
@@ -74,7 +74,7 @@ RglFile make_rgl_file(const ScatteringProbe& probe, const RglWriterSettings& s) 
       64);
   std::vector<double> d(grid.size(), 1 / kPiD), sigma(grid.size());
   if (*std::max_element(retro.begin(), retro.end()) > 0) {
-    // sigma changes slowly: a coarse grid of directions suffices for the iteration.
+    // The projected area sigma changes slowly with the direction: a coarse grid suffices for the iteration.
     const int rows = is_isotropic ? 1 : 17, columns = 33;
     std::vector<double> coarse(std::size_t(rows * columns));
     for (int i = 0; i < kPowerIterations; ++i) {
@@ -111,7 +111,8 @@ RglFile make_rgl_file(const ScatteringProbe& probe, const RglWriterSettings& s) 
   file.is_relative = true;
   for (int i = 0; i < s.azimuths; ++i)
     file.phi_i.push_back(is_isotropic ? 0.f : float(kPiD * (2.0 * i / (s.azimuths - 1) - 1)));
-  // The nodes of the angle are denser near 90 degrees, where reflection changes most; nothing arrives at 90 degrees.
+  // The nodes of the angle of incidence are denser near 90 degrees, where reflection changes most; no light
+  // arrives at 90 degrees.
   for (int i = 0; i < s.angles; ++i)
     file.theta_i.push_back(float(89.0 * kDegree * std::sin(0.5 * kPiD * i / (s.angles - 1))));
   for (const double nm : probe.nm()) file.nm.push_back(float(nm));
@@ -148,7 +149,7 @@ RglFile make_rgl_file(const ScatteringProbe& probe, const RglWriterSettings& s) 
           const float sigma_i = sigma_table.at(at_wi);
           float* vndf = file.vndf.values.data() + slice * height * width;
           for (std::size_t k = 0; k < grid.size(); ++k) {
-            // Azimuths of isotropic tables are relative to that of wi, which is 0 here.
+            // Azimuths of isotropic tables are relative to the azimuth of wi, which is 0 here.
             const double u = double(k % width) / double(width - 1);
             const double jacobian = 2 * kPiD * kPiD * u * std::sin(0.5 * kPiD * u * u);
             vndf[k] =
@@ -162,8 +163,8 @@ RglFile make_rgl_file(const ScatteringProbe& probe, const RglWriterSettings& s) 
               const Vec3 m = square_to_half_vector(square);
               Vec3 wo = 2 * dot(m, wi) * m - wi;
               const bool is_above = wo.z > 0;
-              // Points whose directions lie below the surface continue the values at the horizon, so that interpolation
-              // between nodes does not darken it.
+              // Points whose directions lie below the surface take the values at the horizon, so that
+              // interpolation between nodes does not darken them.
               wo = normalize(Vec3{wo.x, wo.y, std::max(wo.z, 2e-3f)});
               const Vec3 half = normalize(wi + wo);
               const float unit = ndf_table.at(half_vector_to_square(half)) / (4 * sigma_i);

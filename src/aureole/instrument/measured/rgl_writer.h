@@ -10,8 +10,8 @@
 namespace aureole {
 
 struct RglWriterSettings {
-  int angles = 16;      ///< of incidence
-  int azimuths = 1;     ///< of incidence over the circle; 1: the surface is isotropic
+  int angles = 16;      ///< number of angles of incidence
+  int azimuths = 1;     ///< number of azimuths of incidence over the circle; 1: the surface is isotropic
   int normals = 128;    ///< nodes of the distributions of normals over the polar angle
   int resolution = 32;  ///< rows and columns of spectra for each direction of incidence
   std::string description;

@@ -31,7 +31,8 @@ Vec3 direction_of(double theta, double phi) {
 
 constexpr std::size_t kEnergySamples = 4096, kPairs = 4000;
 
-/// Reflected and transmitted fractions of light from wi, by the BSDF's own samples, the largest over the wavelengths.
+/// Reflected and transmitted fractions of light from wi, by the BSDF's own samples; each is the largest over
+/// the wavelengths.
 ScatteringReport::Energy energy_at(const ScatteringProbe& probe, double angle, bool& refracts) {
   const Vec3 wi = direction_of(angle * kDegree, 0.3);
   const SurfacePoint point;
@@ -39,7 +40,7 @@ ScatteringReport::Energy energy_at(const ScatteringProbe& probe, double angle, b
   const std::size_t sets = (probe.channels() + kWavelengths - 1) / kWavelengths;
   for (std::size_t set = 0; set < sets; ++set)
     for (std::size_t k = 0; k < kEnergySamples; ++k) {
-      // Each wavelength is the hero of as many samples as the others.
+      // Every wavelength is the hero of equally many samples.
       const std::size_t hero = k % kWavelengths;
       const auto channel = [&](std::size_t j) {
         return std::min(set * kWavelengths + (j + hero) % kWavelengths, probe.channels() - 1);
@@ -111,7 +112,8 @@ ScatteringReport examine(const ScatteringProbe& probe) {
   r.transmits = has(lobes, Lobe::transmit) || has(lobes, Lobe::null);
   for (const double angle : {0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0})
     r.energies.push_back(energy_at(probe, angle, r.refracts));
-  std::vector<std::pair<double, double>> found;  // sum of both directions, their difference
+  std::vector<std::pair<double, double>>
+      found;  // for each pair of directions, the sum of f over both orders and its difference
   double weights = 0, faults = 0, largest = 0;
   for (std::size_t k = 0; k < kPairs; ++k) {
     const Vec3 wi = square_to_cosine_hemisphere(recurrent_point(k));

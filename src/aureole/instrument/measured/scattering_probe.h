@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions of the writers of measured formats to a BSDF: f for pairs of directions and a list of wavelengths, and how far it
-// is reciprocal and conserves energy.
+// Evaluation of a BSDF for the writers of measured formats: f for pairs of directions and a list of
+// wavelengths, and how far it is reciprocal and conserves energy.
 #pragma once
 
 #include <functional>
@@ -24,8 +24,9 @@ public:
   const Bsdf& bsdf() const { return *bsdf_; }
   const SpectralGrid& grid() const { return grid_; }
 
-  /// Sets out[c] to f [1/sr], without the cosine, at wavelength c, of radiance mode: a table of these values, with wi as
-  /// its direction of incidence, gives the pictures that the BSDF gives. Directions may lie on any side.
+  /// Sets out[c] to f [1/sr], without the cosine, at wavelength c in radiance mode. A table of these values,
+  /// with wi as its direction of incidence, gives the pictures that the BSDF gives. Directions may lie on any
+  /// side.
   void f(const Vec3& wi, const Vec3& wo, std::vector<double>& out) const;
   /// The mean of f over the wavelengths.
   double mean(const Vec3& wi, const Vec3& wo) const;
@@ -34,7 +35,8 @@ private:
   std::shared_ptr<const Bsdf> bsdf_;
   SpectralGrid grid_;
   std::vector<double> nm_;
-  std::vector<Wavelengths> sets_;  ///< of kWavelengths each; the last one repeats its last wavelength
+  std::vector<Wavelengths>
+      sets_;  ///< sets of kWavelengths wavelengths each; the last one repeats its last wavelength
   SurfacePoint point_;
   bool make_reciprocal_;
 };
@@ -49,8 +51,8 @@ struct ScatteringReport {
   /// |f(i, o) - f(o, i)| / (f(i, o) + f(o, i)) over pairs of directions: the mean weighted by f and the cosines, and the
   /// largest among pairs with at least 1 % of the largest f.
   double mean_asymmetry = 0, largest_asymmetry = 0;
-  bool is_isotropic =
-      true;  ///< f does not change by more than 0.1 % when both directions turn about the normal
+  /// f does not change by more than 0.1 % when both directions turn about the normal
+  bool is_isotropic = true;
   bool has_delta = false, transmits = false, reflects_below = false;
   bool refracts = false;  ///< there are different indices of refraction on the two sides
 
@@ -58,7 +60,7 @@ struct ScatteringReport {
 };
 ScatteringReport examine(const ScatteringProbe& probe);
 
-/// A few sentences about the report.
+/// Returns a few sentences about the report.
 std::string report_text(const ScatteringReport& report);
 
 }  // namespace aureole

@@ -58,7 +58,8 @@ std::array<float, 4> recurrent_numbers(std::size_t k) {
   return u;
 }
 
-/// Reversed bits as a fraction: among the first 2^n indices every interval of 2^-n occurs once.
+/// Van der Corput's sequence: the reversed bits of an index as a fraction. Among the first 2^n indices every
+/// interval of 2^-n occurs once.
 float van_der_corput(std::uint32_t k) {
   std::uint32_t reversed = 0;
   for (int bit = 0; bit < 32; ++bit) reversed |= (k >> bit & 1u) << (31 - bit);
@@ -99,7 +100,8 @@ std::string klems_file_content(const ScatteringProbe& probe, const KlemsWriterSe
   const KlemsPatches patches(*basis);
   const std::size_t n = patches.count();
   const std::array<float, kWavelengths> visible = visible_wavelengths(probe.grid());
-  std::array<std::vector<double>, 4> matrices;  // 2 side + transmitted: incident, outgoing
+  // matrices by index 2 side + transmitted, each by incident and outgoing patch
+  std::array<std::vector<double>, 4> matrices;
   for (auto& m : matrices) m.resize(n * n);
   const SurfacePoint point;
   for_ranges(
@@ -113,9 +115,9 @@ std::string klems_file_content(const ScatteringProbe& probe, const KlemsWriterSe
           const auto prepare = [&](int k, Vec3& wi) {
             const std::array<float, 4> u = recurrent_numbers(std::size_t(k));
             const Vec3 in = patches.sample(i, {u[0], u[1]});
-            // Incident patches are turned by 180 degrees.
+            // Incident patches are rotated by 180 degrees about the normal.
             wi = {-in.x, -in.y, side == 0 ? in.z : -in.z};
-            // Each wavelength is the hero of as many samples.
+            // Each wavelength is the hero of equally many samples.
             return Wavelengths::at(probe.grid(), make_spectrum([&](int j) {
                                      return visible[std::size_t(j + k) % kWavelengths];
                                    }));

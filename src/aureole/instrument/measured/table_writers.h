@@ -13,7 +13,9 @@ namespace aureole {
 struct KlemsWriterSettings {
   std::string basis = "LBNL/Klems Full";
   int samples =
-      1024;  ///< of the BSDF, for each incident patch and side; a quarter as many even ones for each pair
+      /// samples of the BSDF for each incident patch and side; a quarter as many uniform directions for each
+      /// pair of patches
+      1024;
   std::string name, manufacturer;
 };
 /// Means over pairs of patches, by samples of the BSDF, with delta lobes; the visible range under CIE D65 for the observer
@@ -21,17 +23,18 @@ struct KlemsWriterSettings {
 std::string klems_file_content(const ScatteringProbe& probe, const KlemsWriterSettings& settings);
 
 struct DirectionTableSettings {
-  std::vector<double> incident, outgoing,
-      azimuths;                                 ///< angles from the normal and relative azimuths [degrees]
-  std::vector<double> incident_azimuths = {0};  ///< [degrees]; one: the surface is isotropic
-  bool transmits = false;                       ///< also directions below the surface
+  /// angles from the normal and relative azimuths [degrees]
+  std::vector<double> incident, outgoing, azimuths;
+  /// azimuths of incidence [degrees]; a single one: the surface is isotropic
+  std::vector<double> incident_azimuths = {0};
+  bool transmits = false;  ///< whether directions below the surface are written as well
 };
 /// Rows of theta_i, phi_i, theta_o, phi_o [degrees] and f [1/sr] by wavelength, as the BSDF `tabulated` reads them.
 std::string direction_table_content(const ScatteringProbe& probe, const DirectionTableSettings& settings);
 
 struct ZemaxSettings {
-  std::vector<double> incident, azimuths,
-      radial;  ///< [degrees]; azimuths and radial angles about the mirror direction
+  /// angles of incidence, azimuths about the mirror direction, and angles from it [degrees]
+  std::vector<double> incident, azimuths, radial;
   bool transmission = false;
 };
 /// Isotropic scattering about the mirror direction (or the undeviated one), monochrome: the mean over the wavelengths.

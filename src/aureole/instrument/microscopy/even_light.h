@@ -8,7 +8,8 @@
 namespace aureole {
 
 struct Levels {
-  cv::Mat dark, bright;  ///< CV_32F, of the field's size
+  /// levels of the darker and of the brighter class as CV_32F pictures of the field's size
+  cv::Mat dark, bright;
 };
 
 /// Initial threshold, before the particles are known: a smooth surface between the extremes of large

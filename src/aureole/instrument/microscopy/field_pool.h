@@ -13,7 +13,7 @@ namespace aureole {
 
 /// One block of a field, the unit of resampling in the bootstrap.
 struct Block {
-  double window = 0, covered = 0;  ///< [m^2]
+  double window = 0, covered = 0;  ///< area of the window, and covered area in it [m^2]
   double area = 0;                 ///< area of the eroded window [m^2]
   double centres = 0;
   std::vector<int> particles;  ///< uncut particles whose centre is in the block
@@ -21,7 +21,7 @@ struct Block {
 
 struct FieldPool {
   std::vector<ObservationWindow> windows;
-  std::vector<double> margin;  ///< pixels
+  std::vector<double> margin;  ///< margin of each field within which points are not used [pixels]
   std::vector<Block> blocks;
   std::vector<int> side, first;  ///< the blocks of a field: side^2 blocks starting at index `first`
 };

@@ -29,7 +29,8 @@ constexpr double kEqualSizes = 0.05;
 
 void note_positions(Microstructure& m) {
   const double fraction = m.area_fraction.value;
-  if (!(fraction > 0 && fraction <= optics::kMaxEquilibriumFraction)) return;  // has a note of its own
+  // another area fraction has a note of its own
+  if (!(fraction > 0 && fraction <= optics::kMaxEquilibriumFraction)) return;
   double squares = 0, noise = 0, chi = 0, most = 0, at = 0;
   int rings = 0;
   const Microstructure::Curve& s = m.structure_factor;
@@ -37,7 +38,8 @@ void note_positions(Microstructure& m) {
     if (!(s.error[i] > 0) || s.x[i] > 8) continue;
     const double model = optics::equilibrium_structure_factor(optics::HardDiscWave(s.x[i]), s.x[i], fraction);
     const double difference = s.value[i] / model - 1;
-    // The standard error of a ring is in proportion to S: that of the model is independent of the measured noise.
+    // The standard error of a ring is in proportion to S; the model's error is independent of the measured
+    // noise.
     const double error = s.value[i] > 0 ? s.error[i] / s.value[i] : 1;
     squares += difference * difference, noise += error * error,
         chi += difference * difference / (error * error);
@@ -57,7 +59,7 @@ void note_positions(Microstructure& m) {
 }
 
 void note_onset(Microstructure& m) {
-  if (m.correlation_radius_given || m.onset_width == 0) return;  // no fit
+  if (m.correlation_radius_given || m.onset_width == 0) return;  // there is no fit of g(r)
   if (m.onset_width < kDistinctOnset && m.onset_height > kDistinctHeight) return;
   m.notes.push_back(fmt::format(
       "g(r) has no distinct onset: at the smallest distance of centres it rises to {:.2f}, within {:.0f} % of that "

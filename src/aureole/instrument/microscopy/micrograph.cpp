@@ -12,7 +12,8 @@
 namespace aureole {
 namespace {
 
-constexpr double kLargestPixel = 20e-6;  // 1270 dpi: coarser values are default tags of scanners and cameras
+// upper bound of a pixel's size, 1270 dpi: coarser values are default tags of scanners and cameras
+constexpr double kLargestPixel = 20e-6;
 
 double square(double x, double y) {
   if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))

@@ -22,16 +22,16 @@ struct Micrograph {
 };
 
 struct MicrographOptions {
-  double pixel_m = 0;          ///< 0: from the file's metadata
+  double pixel_m = 0;          ///< pixel size [m]; 0: from the file's metadata
   bool srgb = false;           ///< values are sRGB-encoded; otherwise they are proportional to the light
-  std::filesystem::path mask;  ///< black pixels are excluded; empty: none
+  std::filesystem::path mask;  ///< picture whose black pixels are excluded; empty: none
   std::vector<std::array<int, 4>> exclude;  ///< excluded rectangles: x, y, width, height in pixels
 };
 
 /// Smallest allowed side of a field [pixels].
 inline constexpr int kSmallestField = 32;
 
-/// Throws Error located in the file.
+/// Reads a micrograph. Throws Error located in the file.
 Micrograph read_micrograph(const std::filesystem::path& file, const MicrographOptions& options);
 
 /// Returns the pixel size in metres from a TIFF's metadata: OME's PhysicalSizeX, ImageJ's unit with

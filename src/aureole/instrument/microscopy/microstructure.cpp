@@ -60,7 +60,7 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
         " pixels, blur " + fmt::format("{:.1f}", blur) +
         "): neighbours merge and all numbers are biased; at least 5 pixels and a fifth of that are needed");
 
-  // Sizes and density.
+  // Sizes and density of the particles.
   double density = 0;
   for (const Particle& p : m.particles) {
     double area = 0;
@@ -115,7 +115,7 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   estimator.set_pairs(kPairStep * a, kPairBins);
   const BlockSample whole_sample = estimator.sample(all);
 
-  // The bootstrap.
+  // Confidence intervals by the bootstrap.
   std::mt19937_64 random(o.seed);
   std::vector<BlockSample> samples;
   for (int i = 0; i < o.resamples; ++i) {
@@ -139,8 +139,8 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   if (blocks < 2) m.notes.push_back("too few particles for intervals: they are left empty");
   m.shape_fraction = estimate(
       whole_sample.covered, [](const BlockSample& s) { return s.covered; }, 1);
-  // The bootstrap gives the relative error of the density away from the frame, which is used for the density
-  // of all.
+  // The bootstrap gives the relative error of the density away from the frame; this relative error is used
+  // for the density of all particles.
   const double relative = density / whole_sample.density;
   m.density = estimate(density, [&](const BlockSample& s) { return s.density * relative; });
   const auto radius_of = [&](const BlockSample& s) { return m.correlation_radius_given ? a : 0.5 * s.onset; };

@@ -24,8 +24,8 @@ enum class ScattererKind { automatic, apertures, discs, spheres };
 struct MicrostructureOptions {
   SegmentationOptions segmentation;
   ScattererKind scatterer = ScattererKind::automatic;
-  std::string int_ior;              ///< of spheres, which need it: a number or the name of a material
-  double correlation_radius_m = 0;  ///< 0: estimated
+  std::string int_ior;  ///< index of refraction of spheres, which need it: a number or the name of a material
+  double correlation_radius_m = 0;  ///< correlation radius [m]; 0: estimated
   int resamples = 300;              ///< number of bootstrap resamples
   std::uint64_t seed = 1;
 };
@@ -48,41 +48,44 @@ inline constexpr double kQuantiles[] = {0.05, 0.25, 0.5, 0.75, 0.95};
 
 struct Microstructure {
   std::vector<FieldReport> fields;
-  std::vector<Particle> particles;  ///< in pixels of their fields
+  std::vector<Particle> particles;  ///< the particles, in pixels of their fields
   std::vector<double> weights;      ///< weights of particles in size statistics, normalised to 1; 0 for cut
                                     ///< particles
 
   Estimate shape_fraction;      ///< Fr, the covered fraction of the plane
   Estimate area_fraction;       ///< Fa = density pi correlation_radius^2
-  Estimate density;             ///< per m^2
-  Estimate correlation_radius;  ///< without confidence interval if given
+  Estimate density;             ///< particles per m^2
+  Estimate correlation_radius;  ///< correlation radius [m]; without confidence interval if given
   bool correlation_radius_given = false;
   Estimate mean_radius, deviation, log_deviation;
-  std::vector<Estimate> quantiles;  ///< at kQuantiles
-  double onset_width = 0;           ///< of g(r), relative to the smallest distance
-  double onset_height = 0;          ///< of the fitted g(r) just above that distance; 0 without a fit
+  std::vector<Estimate> quantiles;  ///< quantiles of the radii at kQuantiles
+  double onset_width = 0;           ///< width of the onset of g(r), relative to the smallest distance
+  double onset_height = 0;  ///< height of the fitted g(r) just above the smallest distance; 0 without a fit
 
   bool round = true;
-  double circularity = 1, aspect = 1, alignment = 0;  ///< medians; |mean of exp(2i angle)|
-  int symmetry = 0;                                   ///< strongest harmonic of non-circular outlines
+  /// medians of circularity and aspect; alignment is |mean of exp(2i angle)|
+  double circularity = 1, aspect = 1, alignment = 0;
+  int symmetry = 0;  ///< strongest harmonic of non-circular outlines
   /// Rotation [degrees counter-clockwise from x, y up] from mean_outline to the orientation of aligned
   /// particles.
   double orientation = 0;
-  Outline mean_outline, typical_outline;  ///< about their centroids [m], y up; the mean outline has its
-                                          ///< strongest harmonic's maximum on the x axis
+  /// outlines about their centroids [m], y up; the mean outline has the maximum of its strongest harmonic on
+  /// the x axis
+  Outline mean_outline, typical_outline;
 
   struct Curve {
-    std::vector<double> x, value, error;  ///< standard errors
+    std::vector<double> x, value, error;  ///< arguments, values and their standard errors
   };
-  Curve pair_correlation;  ///< x: r/correlation_radius
-  Curve structure_factor;  ///< x: u = q correlation_radius
+  Curve pair_correlation;  ///< g(r) by x = r/correlation_radius
+  Curve structure_factor;  ///< S by x = u = q correlation_radius
 
-  ScattererKind scatterer = ScattererKind::apertures;  ///< of the material; never automatic
-  std::string int_ior;                                 ///< of spheres
+  ScattererKind scatterer = ScattererKind::apertures;  ///< kind of the material's scatterers; never automatic
+  std::string int_ior;                                 ///< index of refraction of spheres
 
-  int blocks = 0;                    ///< number of bootstrap blocks
-  std::vector<std::string> choices;  ///< what the program chose, why, and the option that chooses otherwise
-  std::vector<std::string> notes;    ///< doubts about the result
+  int blocks = 0;  ///< number of bootstrap blocks
+  /// choices of the program, each with its reason and the option that chooses otherwise
+  std::vector<std::string> choices;
+  std::vector<std::string> notes;  ///< doubts about the result
 
   /// Returns the median of a log-normal distribution with the mean and the log-normal sigma of the radii.
   double median_radius() const {

@@ -10,7 +10,7 @@ namespace aureole {
 
 class ObservationWindow {
 public:
-  /// `seen` is 1 for usable pixels, or empty if all are usable.
+  /// Window of a field. `seen` is 1 for usable pixels, or empty if all are usable.
   ObservationWindow(int width, int height, const std::vector<std::uint8_t>& seen);
 
   int width() const { return width_; }
@@ -29,7 +29,7 @@ public:
   /// its longer side. 0 outside.
   struct Raster {
     int width, height;
-    double cell_x, cell_y;      ///< pixels
+    double cell_x, cell_y;      ///< sides of a cell [pixels]
     std::vector<float> free;    ///< mean over the cell of the free distance beyond `reach`
     std::vector<float> inside;  ///< fraction of the cell that is inside
   };
@@ -38,7 +38,7 @@ public:
 private:
   int width_, height_;
   double most_;
-  std::vector<float> free_;        ///< at pixel centres; empty without a mask
+  std::vector<float> free_;        ///< free distances at pixel centres; empty without a mask
   std::vector<double> area_from_;  ///< number of pixels whose free distance is at least i/2
 };
 
@@ -51,10 +51,10 @@ public:
   double operator()(double dx, double dy) const;
 
 private:
-  double width_, height_;  ///< for a window without a mask, a rectangle
+  double width_, height_;  ///< sides of a rectangular window, which has no mask
   int columns_ = 0, rows_ = 0;
   double cell_x_ = 1, cell_y_ = 1;
-  std::vector<float> table_;  ///< periodic, twice the window's size
+  std::vector<float> table_;  ///< set covariance as a periodic table of twice the window's size
 };
 
 }  // namespace aureole

@@ -15,15 +15,15 @@ using Outline = std::vector<std::array<double, 2>>;
 struct Particle {
   int field = 0;
   double x = 0, y = 0;     ///< centroid
-  double area = 0;         ///< from grey values: edge pixels count by their covered fraction
+  double area = 0;         ///< area from grey values: edge pixels count by their covered fraction
   double radius = 0;       ///< radius of the circle of equal area
   double circularity = 0;  ///< 4 pi area/perimeter^2 of the outline; 1 for a circle
   double aspect = 1;       ///< ratio of the axes of the ellipse with the same second moments, >= 1
-  double angle = 0;        ///< angle of its long axis from x towards y, degrees in [0, 180)
+  double angle = 0;        ///< angle of the ellipse's long axis from x towards y, degrees in [0, 180)
   double reach = 0;        ///< half the side of the smallest square around the particle and its edge
-  bool cut = false;        ///< whether that square extends beyond the window
+  bool cut = false;        ///< whether the square of `reach` extends beyond the window
   bool touching = false;   ///< shares a boundary with another particle
-  Outline outline;         ///< level 1/2, counter-clockwise with y up; empty for cut particles
+  Outline outline;         ///< outline at level 1/2, counter-clockwise with y up; empty for cut particles
 };
 
 /// Measures all particles of a field, in order of their labels.

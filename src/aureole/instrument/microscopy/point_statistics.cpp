@@ -67,11 +67,12 @@ PairCounts count_pairs(const std::vector<PointField>& fields, double width, int 
 
 Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, const std::vector<double>& count,
                 double guess, double expected_width) {
-  // g(r) = step((r - d)/w) (far + near exp(-(r - d)/l)); far and near by linear least squares.
+  // Sums for the fit of g(r) = step((r - d)/w) (far + near exp(-(r - d)/l)), with far and near by linear
+  // least squares.
   double far = 0, near = 0, pairs = 0, exposure = 0;
   for (size_t i = 0; i < r.size(); ++i) pairs += count[i], exposure += g[i] * r[i];
   const double per_radius = exposure > 0 ? pairs / exposure : 0;  // pairs of a bin = per_radius r g(r)
-  // Poisson errors; an empty bin has the error of a single pair.
+  // Weights from Poisson errors; an empty bin has the error of a single pair.
   std::vector<double> weight;
   for (size_t i = 0; i < r.size(); ++i)
     weight.push_back(per_radius * r[i] * per_radius * r[i] / (count[i] + 1));
@@ -85,7 +86,8 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
     for (size_t i = 0; i < r.size(); ++i) {
       yy += weight[i] * g[i] * g[i];
       const double x = (r[i] - d) * inverse;
-      if (x < -6) continue;  // the step is below 1e-16 there, and 1 to that precision beyond 6
+      if (x < -6)
+        continue;  // below x = -6 the step is below 1e-16, and beyond x = 6 it is 1 to that precision
       const double step = x > 6 ? 1 : 0.5 * std::erfc(-x);
       const double e = r[i] > d ? step * std::exp((d - r[i]) / l) : step;
       const double weighted_step = weight[i] * step, weighted_e = weight[i] * e;

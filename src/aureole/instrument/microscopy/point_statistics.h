@@ -12,7 +12,7 @@ namespace aureole {
 struct PointField {
   std::vector<double> x, y;
   double area = 0;                                   ///< area of the observation window
-  std::function<double(double, double)> covariance;  ///< its set covariance
+  std::function<double(double, double)> covariance;  ///< set covariance of the observation window
   std::vector<int> block;                            ///< block of each point, for the bootstrap
   int blocks = 1;
   std::vector<double> block_area;
@@ -30,7 +30,7 @@ struct PairCounts {
   double width = 0;
   /// Ordered pairs, by [index over all fields' blocks][bin]: estimates of density^2 g(r) 2 pi r width.
   std::vector<std::vector<double>> weighted;
-  std::vector<double> count;  ///< unordered pairs per bin, over all blocks
+  std::vector<double> count;  ///< number of unordered pairs per bin, over all blocks
 };
 PairCounts count_pairs(const std::vector<PointField>& fields, double width, int bins);
 
@@ -51,7 +51,8 @@ std::vector<double> nearest_distances(const PointField& field);
 /// the window's periods are left empty.
 struct RingMeans {
   double step = 0;
-  std::vector<double> q, value, error;  ///< standard error: S/sqrt(independent vectors)
+  /// wave numbers and S with its standard error S/sqrt(independent vectors)
+  std::vector<double> q, value, error;
 };
 RingMeans structure_factor_of(const std::vector<PointField>& fields, double step, int rings);
 

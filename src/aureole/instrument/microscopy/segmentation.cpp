@@ -91,7 +91,7 @@ cv::Mat normalised(const cv::Mat& grey, const Levels& levels, double least) {
 }
 
 void fill_holes(cv::Mat& inside) {
-  // Ground regions that do not reach the frame and are smaller than the particle around them.
+  // Fills ground regions that do not reach the frame and are smaller than the particle around them.
   cv::Mat ground = (inside == 0), labels, stats, centres;
   const int n = cv::connectedComponentsWithStats(ground, labels, stats, centres, 4);
   std::vector<char> fill(size_t(n), 0);
@@ -135,11 +135,11 @@ std::vector<float> to_vector(const cv::Mat& m) {
 
 /// Intermediate pictures on the path from a micrograph to particles.
 struct Pictures {
-  cv::Mat grey, seen;  ///< without hot pixels; 255 for usable pixels
-  double span = 0;     ///< difference of its 0.5 % and 99.5 % quantiles
+  cv::Mat grey, seen;  ///< grey values without hot pixels; mask with 255 for usable pixels
+  double span = 0;     ///< difference of the 0.5 % and 99.5 % quantiles of the grey values
   double noise = 0;    ///< standard deviation of the grey values
-  double sigma = 0;    ///< of the smoothing Gaussian [pixels]
-  cv::Mat smooth;      ///< smoothed grey; after `even_out` its coverage
+  double sigma = 0;    ///< standard deviation of the smoothing Gaussian [pixels]
+  cv::Mat smooth;      ///< smoothed grey values; after `even_out` smoothed coverage
   cv::Mat coverage;    ///< 1 in the brighter class, 0 in the other; after `orient` 1 in particles
 };
 
@@ -150,7 +150,7 @@ Pictures read_pictures(const Micrograph& field, const SegmentationOptions& o) {
   p.seen = cv::Mat(h, w, CV_8U, cv::Scalar(255));
   if (!field.seen.empty())
     for (size_t i = 0; i < field.seen.size(); ++i) p.seen.data[i] = field.seen[i] ? 255 : 0;
-  // Excluded pixels must not affect their neighbours.
+  // Excluded pixels get the mean, so that they do not affect their neighbours.
   const cv::Scalar mean = cv::mean(p.grey, p.seen);
   p.grey.setTo(mean, p.seen == 0);
 
@@ -184,8 +184,8 @@ void even_out(Pictures& p, const Micrograph& field, const SegmentationOptions& o
   cv::Mat bright = p.smooth > first_threshold(p.smooth, p.seen);
   double scale = o.background_scale;
   for (int pass = 0; pass < 4; ++pass) {
-    // Either class may turn out to be the particles. The smaller typical width represents both classes in
-    // dense layers, and the particles in sparse ones.
+    // Either class may turn out to be the particles. In dense layers the smaller of the two typical widths
+    // represents both classes; in sparse layers it represents the particles.
     if (o.background_scale == 0)
       scale = std::clamp(8 * std::min(typical_radius(bright), typical_radius(~bright)), 24.0,
                          0.5 * std::max(field.width, field.height));

@@ -18,30 +18,33 @@ struct SegmentationOptions {
   /// Model of uneven illumination. automatic: smooth surfaces fitted to the levels of particles and of
   /// ground, away from edges; morphology: opening and closing by a square of the scale; none: one level each.
   Background background = Background::automatic;
-  double background_scale = 0;  ///< pixels, larger than particles; 0: eight times their radius
+  /// scale of the background [pixels], larger than particles; 0: eight times their radius
+  double background_scale = 0;
   Denoise denoise = Denoise::automatic;
   /// Standard deviation of the Gaussian applied before outlines are found [pixels]; 0: chosen by the noise.
   double smooth = 0;
   bool fill_holes = false;  ///< particles with a centre as bright as the ground (lenses, rings) are filled
-  double min_radius = 2;    ///< [pixels]; smaller regions are dirt
+  double min_radius = 2;    ///< smallest radius of a particle [pixels]; smaller regions are dirt
 };
 
 struct Segmentation {
   int width = 0, height = 0;
   std::vector<float> coverage;  ///< covered fraction of each pixel: 0 ground, 1 particle, plus noise
   std::vector<float> smooth;    ///< smoothed coverage, whose level 1/2 is the outline
-  std::vector<int> labels;      ///< 0, or particle 1 ... count; extends `band` pixels beyond the outline
-  std::vector<float> depth;     ///< distance from the outline inside, 0 outside [pixels]
+  /// label of each pixel: 0 for ground, or particle 1 ... count; labels extend `band` pixels beyond the
+  /// outline
+  std::vector<int> labels;
+  std::vector<float> depth;  ///< distance from the outline inside, 0 outside [pixels]
   int count = 0;
   bool bright = false;
-  double polarity_score = 1;  ///< convex minus concave outline length over their sum, in [-1, 1]; near 0 it
-                              ///< is ambiguous
+  /// convex minus concave outline length over their sum, in [-1, 1]; near 0 the polarity is ambiguous
+  double polarity_score = 1;
   double noise = 0, contrast = 0, blur = 0;  ///< noise in coverage; contrast in grey levels; blur in pixels
   int band = 2;
-  int too_small = 0;  ///< regions below min_radius that the frame does not cut
+  int too_small = 0;  ///< number of regions below min_radius that the frame does not cut
 };
 
-/// Throws Error with the field's name if there is no contrast, or if polarity is ambiguous.
+/// Segments a field. Throws Error with the field's name if there is no contrast, or if polarity is ambiguous.
 Segmentation segment(const Micrograph& field, const SegmentationOptions& options);
 
 /// Divides the regions of `depth` > 0 along the valleys of `depth`. A basin is merged with its neighbour if

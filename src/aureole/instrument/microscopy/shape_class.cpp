@@ -11,8 +11,9 @@ namespace aureole {
 namespace {
 
 constexpr int kAngles = 90, kLastHarmonic = 8;
-// Discs with a radius of a few pixels and 10 % noise have 0.96 and 1.06. A hexagon has circularity 0.907; an
-// ellipse with axes 1.2 : 1 has 0.975 and 1.2.
+// Limits between round and other particles: discs with a radius of a few pixels and 10 % noise have
+// circularity 0.96 and aspect 1.06. A hexagon has circularity 0.907; an ellipse with axes 1.2 : 1 has 0.975
+// and 1.2.
 constexpr double kRoundCircularity = 0.935, kRoundAspect = 1.13;
 
 double median(std::vector<double> v) {

@@ -136,7 +136,7 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
       std::complex<double> rest = amplitude[m];
       const auto [kx, ky, ring] = modes[m];
       if (2 * kx < f.columns && 2 * std::abs(ky) < f.rows) {
-        // Cells are sampled at their centres.
+        // The transform is evaluated at the centres of the cells.
         const auto t = transform.at<cv::Vec2f>(ky < 0 ? ky + f.rows : ky, kx);
         const auto shift = std::polar(density, -0.5 * (kx * qx * f.cell_x + ky * qy * f.cell_y));
         rest -= shift * std::complex<double>(t[0], t[1]);
@@ -155,7 +155,8 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     if (weight[k] < 4) continue;
     out.q.push_back(where[k] / weight[k]);
     out.value.push_back(sum[k] / weight[k]);
-    // |amplitude|^2 of a mode is exponentially distributed, so that its standard deviation equals its mean.
+    // Standard error: |amplitude|^2 of a mode is exponentially distributed, so that its standard deviation
+    // equals its mean.
     out.error.push_back(sum[k] / weight[k] / std::sqrt(std::max(independent[k], 1.0)));
   }
   return out;

@@ -9,8 +9,11 @@
 namespace aureole {
 namespace {
 
-constexpr float kMinHeight = 0.75f;  // [pixels]: the steps of a digital outline
-constexpr float kMinPart = 0.25f;    // two equal touching discs have a neck of at most half their radius
+// least height of a basin above its pass [pixels]: the steps of a digital outline
+constexpr float kMinHeight = 0.75f;
+// least height as a fraction of a basin's depth: two equal touching discs have a neck of at most half their
+// radius
+constexpr float kMinPart = 0.25f;
 
 class Basins {
 public:

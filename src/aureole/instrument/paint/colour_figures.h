@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures by which the trade judges the colour of a measured reflectance, alone and against a standard.
+// The figures by which the paint industry judges the colour of a measured reflectance, alone and against a
+// standard.
 #pragma once
 
 #include <optional>
@@ -13,11 +14,11 @@ namespace aureole {
 
 /// The colour of one reflectance.
 struct ColourFigures {
-  pigment::Xyz xyz{};  ///< with Y = 100 for a perfect diffuser
+  pigment::Xyz xyz{};  ///< tristimulus values, with Y = 100 for a perfect diffuser
   pigment::Chromaticity chromaticity;
   pigment::Lab lab;
-  std::optional<pigment::Whiteness> whiteness;  ///< only under D65, for which it is defined
-  std::optional<double> yellowness;             ///< ASTM E313; only under C and D65
+  std::optional<pigment::Whiteness> whiteness;  ///< CIE whiteness; only under D65, for which it is defined
+  std::optional<double> yellowness;             ///< yellowness by ASTM E313; only under C and D65
 };
 
 /// A sample against a standard, all differences sample minus standard.
@@ -25,9 +26,10 @@ struct ColourComparison {
   pigment::Lab lab;            ///< differences in L*, a*, b*
   pigment::LchDifference lch;  ///< differences in lightness, chroma and hue
   double cie1976 = 0, cmc = 0, cie94 = 0, ciede2000 = 0, din99o = 0;
-  std::optional<pigment::ColourStrength> strength;  ///< of the colorant; nothing if K/S cannot be told
-  std::string no_strength;                          ///< why there is none
-  pigment::LchDifference tone;  ///< tint tone: differences at equal strength at the maximum
+  /// strength of the colorant; nothing if K/S cannot be determined
+  std::optional<pigment::ColourStrength> strength;
+  std::string no_strength;      ///< reason why there is no strength
+  pigment::LchDifference tone;  ///< tint tone: colour difference at equal strength at the absorption maximum
   double tone_ciede2000 = 0;
   std::vector<double> metamerism;  ///< special indices (Delta E*ab), one for each of the other viewings
 };

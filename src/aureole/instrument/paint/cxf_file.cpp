@@ -71,8 +71,8 @@ private:
     throw Error({file_, line, column}, message);
   }
   [[noreturn]] void fail(const pugi::xml_node& node, const std::string& message) const {
-    fail(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0), message);  // offset_debug points behind the
-                                                                          // bracket
+    // the offset of pugixml points behind the bracket
+    fail(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0), message);
   }
   std::pair<int, int> place(std::ptrdiff_t offset) const {
     const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), offset);
@@ -248,7 +248,7 @@ private:
   }
 
   void read_values(const pugi::xml_node& spectrum, pigment::Sample& s) const {
-    // A comment within the numbers splits their text into several nodes.
+    // The values are joined from several text nodes, since a comment within the numbers splits their text.
     for (const pugi::xml_node& text : spectrum.children()) {
       if (text.type() != pugi::node_pcdata && text.type() != pugi::node_cdata)
         fail(text, fmt::format("expected numbers, got the element {}", text.name()));
@@ -275,8 +275,8 @@ private:
   std::string text_;
   std::vector<std::ptrdiff_t> line_ends_;
   pugi::xml_document document_;
-  std::map<std::string, pugi::xml_node> ranges_;            ///< by the Id of a ColorSpecification
-  std::map<std::string, pigment::Instrument> instruments_;  ///< by the Id of a ColorSpecification
+  std::map<std::string, pugi::xml_node> ranges_;  ///< ranges of wavelengths by the Id of a ColorSpecification
+  std::map<std::string, pigment::Instrument> instruments_;  ///< instruments by the Id of a ColorSpecification
   bool has_aperture_note_ = false;
   pigment::SampleTable table_;
 };

@@ -106,7 +106,7 @@ ColourTarget measured_target(const std::string& file, const std::string& name,
   return result;
 }
 
-/// A lamp's power by wavelength: that of an illuminant, or of a file.
+/// A light source's power by wavelength, from an illuminant or a file.
 struct Lamp {
   std::vector<double> nm, power;
 };
@@ -117,7 +117,7 @@ Lamp read_lamp(const std::string& file) {
   double scale = 1;
   try {
     std::string text = pigment::utf8_text(read_table_file(file).str());
-    // A comment goes on to the end of its line.
+    // A comment extends to the end of its line.
     bool is_comment = false;
     std::erase_if(text, [&](char c) {
       is_comment = c == '#' || (is_comment && c != '\n');
@@ -126,7 +126,8 @@ Lamp read_lamp(const std::string& file) {
     const std::vector<pigment::TextRow> rows = pigment::read_pairs(text, true);
     for (const pigment::TextRow& row : rows) {
       const bool is_pair = row.cells.size() == 2;
-      if (points.empty() && !pigment::finite_number(row.cells[0].text)) {  // headings
+      // a first line without numbers is a line of headings
+      if (points.empty() && !pigment::finite_number(row.cells[0].text)) {
         const std::string heading = pigment::lower_case(row.cells[0].text);
         for (const char* micrometre : {"(um)", "[um]", "(µm)", "[µm]", "(μm)", "[μm]", "micron"})
           if (heading.find(micrometre) != heading.npos) scale = 1000;
@@ -170,7 +171,7 @@ Lamp lamp_called(const std::string& name) {
   return read_lamp(name);
 }
 
-/// The name of an illuminant as the tables have it, of a name in any case.
+/// Returns the name of an illuminant as the tables spell it, for a name in any case.
 std::string illuminant_called(const std::string& name) {
   for (const std::string& known : illuminant_names())
     if (pigment::lower_case(known) == pigment::lower_case(name)) return known;

@@ -18,7 +18,8 @@ struct Viewing {
   std::string illuminant;
   pigment::Field field = pigment::Field::two;
 };
-/// Names of illuminants are understood in any case and returned as `illuminant_names` has them; those of files stay.
+/// Names of illuminants are recognised in any case and returned as `illuminant_names` spells them; names of
+/// files are returned unchanged.
 Viewing viewing_of(const std::string& name);
 /// The name with the field "2" or "10" of degrees, unless it states one itself: "A" and "10" give "A/10", while
 /// "A/2" stays.
@@ -29,10 +30,10 @@ std::string viewed_at(const std::string& illuminant, const std::string& degrees)
 /// 1931. Throws Error if there is none, with the nearest name, and if the wavelengths do not cover the visible range.
 pigment::Observation observe(const std::string& illuminant, std::span<const double> nm);
 
-/// How far colours are off that were measured at few wavelengths, from CIEDE2000 differences of the 13 measured paints
-/// (measured_paints.h) taken at these wavelengths only.
+/// Error of colours that were measured at few wavelengths, from CIEDE2000 differences of the 13 measured
+/// paints (measured_paints.h) taken at these wavelengths only.
 struct SamplingError {
-  double widest_nm = 0;  ///< the widest step between neighbours in the visible
+  double widest_nm = 0;  ///< the widest step between neighbouring wavelengths in the visible range
   double mean = 0, largest = 0;
 };
 SamplingError sampling_error(const std::string& illuminant, std::span<const double> nm);
@@ -47,22 +48,22 @@ std::string screen_colour(const pigment::Xyz& xyz, const pigment::Xyz& white);
 struct ColourTarget {
   pigment::MatchTarget target;
   pigment::Palette palette;
-  std::string file = {};                ///< of a measured sample
-  pigment::Instrument instrument = {};  ///< as this file states it
-  std::vector<std::string> notes = {};  ///< what reading it assumed, for the user to confirm
+  std::string file = {};                ///< file of a measured sample
+  pigment::Instrument instrument = {};  ///< instrument as the file states it
+  std::vector<std::string> notes = {};  ///< assumptions made on reading the file, for the user to confirm
 };
 
 /// The mean reflectance of the samples of a name in a file of measured samples, which needs no recipes.
 struct MeasuredReflectance {
   std::vector<double> nm, values;
-  pigment::Instrument instrument = {};  ///< as the file states it
-  std::vector<std::string> notes = {};  ///< what reading the file assumed, for the user to confirm
+  pigment::Instrument instrument = {};  ///< instrument as the file states it
+  std::vector<std::string> notes = {};  ///< assumptions made on reading the file, for the user to confirm
   std::string repeats = {};             ///< a note that several measurements are averaged, or nothing
   /// Interpolated at other wavelengths as `pigment::interpolated` does; constant beyond the measured ones.
   std::vector<double> at(std::span<const double> wavelengths) const;
 };
-/// Throws Error if there is no sample of the name, or if there are several over different substrates, which have the
-/// names of `pigment::panels_of`, such as "ochre over card".
+/// Reads the samples of a name. Throws Error if there is no sample of the name, or if there are several over
+/// different substrates, which have the names of `pigment::panels_of`, such as "ochre over card".
 MeasuredReflectance mean_reflectance(const std::string& file, const std::string& sample);
 /// Reads the mean reflectance that "FILE#SAMPLE" names. Throws Error that begins with `option` for other texts.
 MeasuredReflectance mean_reflectance_called(const std::string& text, const std::string& option);

@@ -89,7 +89,7 @@ std::vector<pigment::Component> paints_of(const Item& item) {
   }
 }
 
-/// Returns the factor that converts the numbers to fractions.
+/// Returns the factor that converts the document's numbers to fractions.
 double unit_of(const Item& item) {
   const std::string unit = item.has("unit") ? item.at("unit").text() : "fraction";
   if (unit != "fraction" && unit != "percent")
@@ -211,7 +211,7 @@ pigment::SampleTable read_sample_files(const std::vector<std::string>& files) {
   if (files.size() == 1) return read_sample_file(files.front());
   pigment::SampleTable all;
   std::vector<pigment::SampleTable> tables;
-  std::map<std::string, int> cards;  ///< number of files that have a card of this name bare
+  std::map<std::string, int> cards;  ///< number of files that have a bare card of this name
   for (const std::string& file : files) {
     std::set<std::string> names;
     for (const pigment::Sample& s : tables.emplace_back(read_sample_file(file)).samples)
@@ -253,7 +253,7 @@ pigment::SampleTable read_sample_files(const std::vector<std::string>& files) {
       s.file = file;
     }
     if (one.nm != all.nm) {
-      // Cut to the common range; the first file's wavelengths stay.
+      // Wavelengths of the first file within the range of this file.
       std::vector<double> common;
       for (const double l : all.nm)
         if (l >= one.nm.front() && l <= one.nm.back()) common.push_back(l);

@@ -26,9 +26,9 @@ pigment::SampleTable read_sample_file(const std::string& file,
                                       pigment::Recipes recipes = pigment::Recipes::required);
 
 /// Joins files of measured samples to one table, at the wavelengths of the first that all of them have; others are
-/// interpolated as `pigment::interpolated` does. Cards and specimens belong to their file: of a card that several files have bare each has
-/// its own, and layers without a specimen are different layers in different files. Throws Error if wavelengths do not overlap or
-/// instruments differ.
+/// interpolated as `pigment::interpolated` does. Cards and specimens belong to their file: where several
+/// files have a bare card of one name, each has a card of its own, and layers without a specimen are
+/// different layers in different files. Throws Error if wavelengths do not overlap or instruments differ.
 pigment::SampleTable read_sample_files(const std::vector<std::string>& files);
 
 /// Throws an Error with the location in the file of an error about a table that was read from it.

@@ -12,7 +12,8 @@ namespace {
 
 using Symmetry = GoniometryOptions::Symmetry;
 
-/// The columns that are averaged with a column. Images of a half-plane between columns are those on both sides of it.
+/// The columns that are averaged with a column. Where a half-plane's mirror image lies between two columns,
+/// both columns count.
 std::vector<std::size_t> alike(std::size_t column, std::size_t width, Symmetry symmetry) {
   const auto image_about_c0 = [&](std::size_t i) { return (width - i) % width; };
   const auto image_about_c90 = [&](std::size_t i) { return (width + width / 2 - i) % width; };
@@ -45,7 +46,7 @@ Luminaire measured_luminaire(const Image& picture, const GoniometryOptions& opti
     for (std::size_t i = 0; i < width; ++i) sum += pixel(i, j);
     return sum / double(width);
   };
-  // At gamma = 0 and 180 degrees all half-planes have one direction.
+  // At gamma = 0 and 180 degrees all half-planes share one direction.
   const auto value = [&](std::size_t i, std::size_t j) {
     if (j == 0 || j + 1 == height || options.symmetry == Symmetry::rotational) return mean_of_row(j);
     const std::vector<std::size_t> columns = alike(i, width, options.symmetry);

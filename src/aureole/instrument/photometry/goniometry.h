@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The luminaire that a goniophotometer has measured (sensor/goniophotometer.cpp), as files of luminaires have it.
+// Converts the measurement of a goniophotometer (sensor/goniophotometer.cpp) to a luminaire, as luminaire
+// files describe it.
 #pragma once
 
 #include <string>
@@ -9,12 +10,12 @@
 
 namespace aureole {
 
-/// How a measurement becomes a file.
+/// Settings by which a measurement becomes a luminaire file.
 struct GoniometryOptions {
-  /// The half-planes that are taken for alike and averaged: none; all; C and 360 - C; C and 180 - C; both.
+  /// The half-planes that are assumed equal and averaged: none; all; C and 360 - C; C and 180 - C; both.
   enum class Symmetry { none, rotational, about_c0, about_c90, quadrants } symmetry = Symmetry::none;
-  double flux =
-      0;  ///< luminous flux of the luminaire [lm] to which the intensities are scaled; 0: as measured
+  /// luminous flux of the luminaire [lm] to which the intensities are scaled; 0: as measured
+  double flux = 0;
   double lamp_flux = 0;  ///< luminous flux of its lamps [lm]; 0: absolute photometry
   double watts = 0;      ///< electrical power [W]
   LuminousOpening opening{};
@@ -25,13 +26,13 @@ struct GoniometryOptions {
 /// where the picture has no light.
 Luminaire measured_luminaire(const Image& picture, const GoniometryOptions& options);
 
-/// Figures of a luminaire for people.
+/// Figures of a luminaire for a report.
 struct LuminaireFigures {
-  double flux = 0, downward_flux = 0;  ///< [lm]
+  double flux = 0, downward_flux = 0;  ///< luminous flux, all and below the horizontal [lm]
   double peak = 0;                     ///< largest intensity [cd]
-  double peak_c = 0, peak_gamma = 0;   ///< its direction [degrees]
-  /// Full width at half of the intensity at gamma = 0 [degrees], in the planes C 0-180 and C 90-270; 0: it does not fall
-  /// to half of it.
+  double peak_c = 0, peak_gamma = 0;   ///< direction of the peak [degrees]
+  /// Full width at half of the intensity at gamma = 0 [degrees], in the planes C 0-180 and C 90-270; 0: the
+  /// intensity does not fall to half.
   double beam[2] = {};
 };
 LuminaireFigures luminaire_figures(const Luminaire& luminaire);

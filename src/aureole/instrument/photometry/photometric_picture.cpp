@@ -30,7 +30,7 @@ PhotometricMap photometric_map(const Image& picture, const std::string& channels
       continue;
     const std::string unit = meaning.substr(comma + 2);
     if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits)) continue;
-    // "CIE 1931 XYZ; Y is luminance, cd/m^2"
+    // Text of the header before the unit, as in "CIE 1931 XYZ; Y is luminance, cd/m^2".
     constexpr std::string_view kIs = "; Y is ";
     const std::size_t is = meaning.find(kIs), begin = is == std::string::npos ? 0 : is + kIs.size();
     PhotometricMap map{picture.width, picture.height, {}, meaning.substr(begin, comma - begin), unit};
@@ -111,7 +111,7 @@ PixelView pixel_view(const PlacedSensor& camera, int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       view.directions.push_back(ray(x + 0.5, y + 0.5).d);
-      // The cross product of the changes of direction across the pixel.
+      // Solid angle of the pixel, from the cross product of the changes of direction across it.
       const Vec3 across = ray(x + 0.99, y + 0.5).d - ray(x + 0.01, y + 0.5).d,
                  down = ray(x + 0.5, y + 0.99).d - ray(x + 0.5, y + 0.01).d;
       view.solid_angles.push_back(double(length(cross(across, down))) / (0.98 * 0.98));
@@ -214,7 +214,7 @@ double open_illuminance(const Scene& scene, const Vec3& up) {
         if (const auto s = light.sample_direct(light.scene_center, 0, {0.5f, 0.5f}, w))
           sum = s->radiance * (std::max(0.f, dot(s->wo, up)) * kRings * kSpokes / kPi);
       } else {
-        // Directions with the density cos/pi.
+        // Directions of a quadrature with the density cos/pi.
         for (int i = 0; i < kRings * kSpokes; ++i) {
           const Vec2 u{(float(i % kRings) + 0.5f) / kRings, (float(i / kRings) + 0.5f) / kSpokes};
           sum += light.eval_escaped(normalize(frame.to_world(square_to_cosine_hemisphere(u))), w);

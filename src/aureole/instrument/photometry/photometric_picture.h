@@ -16,8 +16,8 @@ namespace aureole {
 /// One channel of a picture with its unit.
 struct PhotometricMap {
   int width = 0, height = 0;
-  std::vector<double> values;  ///< row by row from the top
-  std::string quantity, unit;  ///< "illuminance", "lx"
+  std::vector<double> values;  ///< values row by row from the top
+  std::string quantity, unit;  ///< quantity and unit, such as "illuminance" and "lx"
 
   double at(int x, int y) const { return values[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
 };
@@ -27,7 +27,7 @@ struct PhotometricMap {
 PhotometricMap photometric_map(const Image& picture, const std::string& channels_attribute,
                                const std::string& name);
 
-/// A part of a map in cells.
+/// A part of a map, in cells.
 struct MapRegion {
   int x = 0, y = 0, width = 0, height = 0;
 };
@@ -36,8 +36,10 @@ struct MapRegion {
 struct MapStatistics {
   std::size_t count = 0;
   double mean = 0, min = 0, max = 0, median = 0;
-  double uniformity() const { return mean > 0 ? min / mean : 0; }  ///< U_0 = E_min/E_mean (EN 12464-1)
-  double diversity() const { return max > 0 ? min / max : 0; }     ///< U_d = E_min/E_max
+  double uniformity() const {
+    return mean > 0 ? min / mean : 0;
+  }  ///< uniformity U_0 = E_min/E_mean (EN 12464-1)
+  double diversity() const { return max > 0 ? min / max : 0; }  ///< diversity U_d = E_min/E_max
 };
 /// Throws Error if the region leaves the map or has no finite values.
 MapStatistics map_statistics(const PhotometricMap& map, const MapRegion& region);
@@ -50,21 +52,22 @@ ColorScale map_scale(const PhotometricMap& map, std::optional<double> min, std::
 /// A source of glare in a picture.
 struct PictureGlareSource {
   optics::GlareSource source;
-  double x = 0, y = 0;  ///< its centre in pixels
+  double x = 0, y = 0;  ///< centre of the source in pixels
   std::size_t pixels = 0;
 };
 /// Glare of a picture in cd/m^2 that a camera of the scene has taken.
 struct PictureGlare {
   double threshold = 0;  ///< luminance from which pixels belong to sources [cd/m^2]
-  double background =
-      0;  ///< mean luminance of the other pixels, weighted by their projected solid angle [cd/m^2]
-  double solid_angle = 0;                   ///< of the picture before the observer [sr]
+  /// mean luminance of the other pixels, weighted by their projected solid angle [cd/m^2]
+  double background = 0;
+  double solid_angle = 0;                   ///< solid angle of the picture in front of the observer [sr]
   double rating = 0;                        ///< UGR; -infinity without sources
-  std::vector<PictureGlareSource> sources;  ///< the largest contribution first
-  std::size_t outside = 0;                  ///< sources smaller or larger than CIE 117 allows
+  std::vector<PictureGlareSource> sources;  ///< sources, the largest contribution first
+  std::size_t outside = 0;                  ///< number of sources smaller or larger than CIE 117 allows
 };
-/// The line of sight goes through the middle of the picture, and `up` [world] is above. Sources are connected pixels of at
-/// least `threshold`; 0: five times the mean. Throws Error.
+/// Evaluates the glare of a picture. The line of sight goes through the middle of the picture, and `up`
+/// [world] points upwards. Sources are connected pixels of at least `threshold`; 0: five times the mean.
+/// Throws Error.
 PictureGlare picture_glare(const PhotometricMap& map, const PlacedSensor& camera, const Vec3& up,
                            double threshold);
 

@@ -320,7 +320,7 @@ Converted convert_picture(const std::filesystem::path& file, const std::filesyst
       break;
     case Format::jpeg:
       if (image.channel("A") >= 0) {
-        // Over black: the colours are multiplied by alpha again.
+        // Undoes the division by alpha: the colours over black are multiplied by alpha.
         const std::size_t channels = image.channel_count(), alpha = std::size_t(image.channel("A"));
         for (std::size_t i = 0; i < image.pixels.size(); i += channels)
           for (std::size_t c = 0; c < channels; ++c)

@@ -23,23 +23,24 @@ struct ConvertSettings {
   /// A layer ("albedo" for albedo.R, albedo.G, albedo.B) or a channel ("depth.Y"); empty: all channels for an EXR, else the
   /// colours.
   std::string channel;
-  /// x, y, width and height in pixels from the upper left corner.
+  /// Rectangle to which the picture is cropped: x, y, width and height in pixels from the upper left corner.
   std::optional<std::array<int, 4>> crop;
-  double exposure = 0;  ///< [stops]
-  /// Compresses the dynamic range of pictures with integers; without one, they are as `aureole render` makes them.
+  double exposure = 0;  ///< exposure [stops]
+  /// Tone mapping of pictures that are written with integers; without one, they are encoded as `aureole
+  /// render` does.
   std::optional<Tone> tone;
 
-  /// The luminance, or the one channel, in colours of a map with a scale.
+  /// Whether the luminance, or the single channel, is shown in colours of a map with a scale.
   bool is_false_color = false;
   std::string map = "viridis";
-  std::optional<double> low, high;  ///< ends of the scale; by default those of the picture
+  std::optional<double> low, high;  ///< ends of the scale; by default the extremes of the picture
   bool is_logarithmic = false;
   int contours = 0;  ///< number of contours between the ends of the scale
 
   /// Bits of a channel: PNG 8 or 16, TIFF 8, 16 (integers) or 32 (linear floats), EXR 16 or 32 (floats); 0: the format's
   /// usual number, 8 for PNG, 16 for TIFF and 32 for EXR.
   int bits = 0;
-  int quality = 95;  ///< of a JPEG, 1 to 100
+  int quality = 95;  ///< quality of a JPEG, 1 to 100
 };
 
 /// Result of a conversion.

@@ -95,7 +95,7 @@ void TevViewer::show(const std::string& name, const Image& image) {
   const auto begin = [&](PacketType type) {
     std::string packet;
     append(packet, static_cast<unsigned char>(type));
-    append(packet, static_cast<unsigned char>(0));  // the viewer keeps its focus
+    append(packet, static_cast<unsigned char>(0));  // 0: the viewer does not take the focus
     append_text(packet, name);
     return packet;
   };
@@ -107,7 +107,7 @@ void TevViewer::show(const std::string& name, const Image& image) {
     send_packet(create);
     opened_ = name;
   }
-  // The length of a packet is a number of 32 bits, so that large pictures are sent in bands of rows.
+  // The length of a packet is a 32-bit number, so that large pictures are sent in bands of rows.
   const std::size_t row_bytes = std::size_t(image.width) * image.channel_count() * sizeof(float);
   constexpr std::size_t kBand = std::size_t(1) << 28;
   const int rows = int(std::min(std::size_t(image.height), std::max<std::size_t>(1, kBand / row_bytes)));
@@ -118,7 +118,7 @@ void TevViewer::show(const std::string& name, const Image& image) {
     for (const std::string& channel : image.channels) append_text(update, channel);
     append(update, std::int32_t(0)), append(update, std::int32_t(y));
     append(update, std::int32_t(image.width)), append(update, std::int32_t(count));
-    // Offset of the first value and distance of values, both in floats, of each channel.
+    // For each channel the offset of its first value and the distance between values, both in floats.
     for (std::int64_t c = 0; c < channels; ++c) append(update, c);
     for (std::int64_t c = 0; c < channels; ++c) append(update, std::int64_t(channels));
     update.append(reinterpret_cast<const char*>(image.pixels.data()) + std::size_t(y) * row_bytes,

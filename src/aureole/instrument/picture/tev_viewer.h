@@ -18,8 +18,8 @@ public:
   TevViewer(const TevViewer&) = delete;
   TevViewer& operator=(const TevViewer&) = delete;
 
-  /// Sends all channels of a picture; the first picture of a name opens it in the viewer. Throws Error if the viewer has
-  /// gone, or takes nothing for 10 s.
+  /// Sends all channels of a picture; the first picture of a name opens it in the viewer. Throws Error if the
+  /// viewer has closed the connection, or accepts no data for 10 s.
   void show(const std::string& name, const Image& image);
 
 private:

@@ -42,7 +42,7 @@ void DecibelScale::set_ends(std::optional<double> min, std::optional<double> max
 }
 
 Image decibel_picture(const std::vector<double>& values, int width, int height, const DecibelScale& scale) {
-  // Bounds the number of contours, which are drawn one by one.
+  // The range is bounded, since it determines the number of contours, which are drawn one by one.
   if (!(scale.max_db > scale.min_db && scale.max_db - scale.min_db <= DecibelScale::kWidest &&
         std::abs(scale.max_db) < 1e6))
     throw Error(fmt::format("no colours from {} to {} dB: they rise, by {} dB at most", scale.min_db,

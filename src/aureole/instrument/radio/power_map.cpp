@@ -30,15 +30,16 @@ std::vector<double> decibels(const std::vector<double>& values, const auto& refe
   return db;
 }
 
-/// The film's measurement of the light that would arrive at the cells in free space, per channel of the film.
+/// For each channel of the film, the film's measurement of the light that would arrive at the cells in free
+/// space.
 std::vector<double> free_space(const Scene& scene, int samples) {
   const PlacedSensor& sensor = scene.sensor();
   const Film& film = sensor.film();
   const int width = film.crop_width(), height = film.crop_height(), channels = film.measured_channels();
   std::vector<double> sums(std::size_t(width) * std::size_t(height) * std::size_t(channels));
   const int side = std::max(1, int(std::lround(std::sqrt(samples))));
-  // A few delta emitters are summed, which has no noise; with more of them, or other emitters, samples are
-  // taken.
+  // Up to this number delta emitters are summed, which has no noise; more of them, and other emitters, are
+  // sampled.
   constexpr std::size_t kMaxSummed = 64;
   std::vector<const Light*> summed;
   for (const Light& light : scene.emitters())
@@ -59,7 +60,7 @@ std::vector<double> free_space(const Scene& scene, int samples) {
         const Vec2 place{float(x + film.crop_x()) + (float(k % side) + 0.5f) / float(side),
                          float(y) + float(film.crop_y()) + (float(k / side) + 0.5f) / float(side)};
         const auto receiver = sensor.receiver(place);
-        // A lattice of wavelengths over the positions in a cell.
+        // Wavelengths form a lattice over the positions in a cell.
         const Wavelengths w = scene.wavelengths().sample((float(k) + 0.5f) / float(side * side), next());
         if (!receiver) continue;
         const auto add = [&](const Light& light, std::size_t part, Vec2 u, float probability) {
@@ -91,11 +92,11 @@ std::vector<double> free_space(const Scene& scene, int samples) {
 /// A channel of the film for which a map is made.
 struct Band {
   std::size_t channel;
-  double min_nm, max_nm, mean_nm;  ///< range and mean of its response
+  double min_nm, max_nm, mean_nm;  ///< range and mean wavelength of the channel's response
   double power, seen;              ///< power of all emitters: total, and weighted by the channel's response
 };
 
-/// Throws Error if no emitter has power in one of the bands.
+/// Returns the bands of the film. Throws Error if no emitter has power in one of them.
 std::vector<Band> bands(const Scene& scene) {
   const Film& film = scene.sensor().film();
   const SpectralGrid& grid = scene.wavelengths().grid();
@@ -149,7 +150,7 @@ std::vector<double> PowerMap::error_db() const {
 
 void require_power_map(const Scene& scene) {
   const PlacedSensor& sensor = scene.sensor();
-  constexpr int kSide = 64;  // of a grid over the film, which may have gaps on a shape
+  constexpr int kSide = 64;  // side of a grid of points over the film, which may have gaps on a shape
   bool measures = false;
   for (int i = 0; i < kSide * kSide && !measures; ++i) {
     const Vec2 u{(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide};
@@ -189,7 +190,8 @@ std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::
     map.min_nm = band.min_nm, map.max_nm = band.max_nm, map.wavelength_m = band.mean_nm * 1e-9;
     map.power_w = power_w.value_or(band.power);
     const double unit_m = sensor.properties().context().length_unit_m;
-    const double scale = map.power_w / (band.seen * unit_m * unit_m);  // areas of the scene are in its unit
+    // factor to W/m^2: areas of the scene are in its unit of length squared
+    const double scale = map.power_w / (band.seen * unit_m * unit_m);
     const int value = picture.channel(map.channel), variance = picture.channel("variance." + map.channel);
     std::vector<float> developed(names.size());
     for (std::size_t i = 0; i < cells; ++i) {

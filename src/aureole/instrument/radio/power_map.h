@@ -20,7 +20,7 @@ struct PowerMap {
   double wavelength_m = 0;        ///< mean over the band, weighted by the response
   double power_w = 0;             ///< power of all emitters in the band
   std::vector<double> density;    ///< power per area [W/m^2], row by row from the top
-  std::vector<double> error;      ///< its standard error; empty if the picture has no variances
+  std::vector<double> error;      ///< standard error of `density`; empty if the picture has no variances
   std::vector<double> free;       ///< the density in free space, without any objects
 
   /// Returns 10 lg of the density over the density in free space. It is -infinity without received power. It
@@ -30,7 +30,7 @@ struct PowerMap {
   /// Returns 10 lg of the power received by an isotropic antenna of gain 1, whose aperture is lambda^2/(4 pi)
   /// (Friis 1946, "A note on a simple transmission formula"), over 1 mW.
   std::vector<double> received_dbm() const;
-  /// Returns the standard error of either map in dB, 10/ln 10 times the relative error; empty if there is
+  /// Returns the standard error of both maps in dB, 10/ln 10 times the relative error; empty if there is
   /// none.
   std::vector<double> error_db() const;
 };
@@ -54,10 +54,11 @@ struct DecibelScale {
   double min_db = 0, max_db = 0, contour_db = 10;
   std::string title;
 
-  /// Round limits that contain all but the lowest and highest 1 % of the values, over at most 60 dB.
+  /// Returns a scale with round limits that contain all but the lowest and highest 1 % of the values, over at
+  /// most 60 dB.
   static DecibelScale of(const std::vector<double>& values, std::string title);
 
-  static constexpr double kWidest = 1000, kNarrowest = 10;  ///< bounds of max_db - min_db [dB]
+  static constexpr double kWidest = 1000, kNarrowest = 10;  ///< upper and lower bound of max_db - min_db [dB]
   /// Sets the given limits. A limit that is not given keeps a distance from the other one within these
   /// bounds.
   void set_ends(std::optional<double> min, std::optional<double> max);

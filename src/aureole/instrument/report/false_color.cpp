@@ -16,7 +16,7 @@ namespace {
 
 struct NamedMap {
   const char* name;
-  int map;  ///< of OpenCV, or -1 for grey
+  int map;  ///< colour map number of OpenCV, or -1 for grey
 };
 constexpr std::array kMaps = {NamedMap{"viridis", cv::COLORMAP_VIRIDIS},
                               NamedMap{"magma", cv::COLORMAP_MAGMA},
@@ -26,7 +26,7 @@ constexpr std::array kMaps = {NamedMap{"viridis", cv::COLORMAP_VIRIDIS},
                               NamedMap{"turbo", cv::COLORMAP_TURBO},
                               NamedMap{"gray", -1}};
 
-/// 256 colours of a map, as R, G, B.
+/// Returns the 256 colours of a map, as R, G, B.
 cv::Mat colors_of(const std::string& name) {
   const auto found =
       std::find_if(kMaps.begin(), kMaps.end(), [&](const NamedMap& m) { return name == m.name; });
@@ -43,7 +43,7 @@ cv::Mat colors_of(const std::string& name) {
   return colors;
 }
 
-/// Position of a number on the scale, 0 at its low end and 1 at its high end.
+/// Returns the position of a number on the scale, 0 at its low end and 1 at its high end.
 double position(const ColorScale& scale, double value) {
   if (scale.is_logarithmic) return std::log(value / scale.low) / std::log(scale.high / scale.low);
   return (value - scale.low) / (scale.high - scale.low);
@@ -76,7 +76,7 @@ std::vector<double> without_outliers(std::span<const double> values, int width, 
 /// Draws contour lines between the centres of cells, by marching squares; `zoom` is in pixels per cell.
 void draw_contours(cv::Mat& picture, const std::vector<double>& values, int width, int height, int zoom,
                    double level) {
-  constexpr int kFine = 16;  // sixteenths of a pixel
+  constexpr int kFine = 16;  // subdivisions of a pixel in OpenCV's coordinates
   const auto at = [&](int x, int y) { return values[std::size_t(y) * std::size_t(width) + std::size_t(x)]; };
   const auto to = [&](double x, double y) {
     return cv::Point(int((x + 0.5) * zoom * kFine), int((y + 0.5) * zoom * kFine));
@@ -113,7 +113,7 @@ const std::vector<std::string>& color_scale_maps() {
 std::vector<double> scale_labels(const ColorScale& scale) {
   std::vector<double> labels;
   if (scale.is_logarithmic) {
-    // 1, 2, 5 within few decades, else powers of ten.
+    // Labels on a logarithmic scale: multiples of 1, 2, 5 within few decades, else powers of ten.
     const double decades = std::log10(scale.high / scale.low);
     const int stride = std::max(1, int(std::ceil(decades / 7)));
     for (int e = int(std::floor(std::log10(scale.low))); e <= int(std::ceil(std::log10(scale.high))); ++e)

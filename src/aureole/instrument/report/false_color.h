@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of numbers: colours of a named map, with contours and a labelled scale beside them.
+// Pictures of scalar data: colours of a named map, with contours and a labelled scale beside them.
 #pragma once
 
 #include <span>
@@ -10,9 +10,9 @@
 
 namespace aureole {
 
-/// How numbers become colours.
+/// The mapping of numbers to colours.
 struct ColorScale {
-  double low = 0, high = 1;     ///< numbers of the first and the last colour; beyond them these colours stay
+  double low = 0, high = 1;     ///< numbers of the first and the last colour, which are also used beyond them
   bool is_logarithmic = false;  ///< colours are in proportion to the logarithm; `low` is then above 0
   std::string map = "viridis";  ///< one of `color_scale_maps`
   std::string title{};          ///< quantity and unit, written above the picture
@@ -22,7 +22,7 @@ struct ColorScale {
 /// Names of the maps, for messages and options.
 const std::vector<std::string>& color_scale_maps();
 
-/// Returns numbers that a scale is labelled with: round ones, seven at most.
+/// Returns round numbers for the labels of a scale, seven at most.
 std::vector<double> scale_labels(const ColorScale& scale);
 
 /// Draws height x width numbers, row by row from the top. Cells become squares of whole pixels, so that the longer side has

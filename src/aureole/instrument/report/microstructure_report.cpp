@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestSphereSpread = 0.7;  // upper bound of `correlated_spheres`
+constexpr double kLargestSphereSpread = 0.7;  // largest spread that `correlated_spheres` accepts
 constexpr double kMinSpread = 0.02;  // smallest relative deviation of radii that a picture can resolve
 
 Json json(const Estimate& e, double unit = 1) {
@@ -146,7 +146,7 @@ Plot plot_of(const Microstructure::Curve& c, PlotSeries::Kind kind) {
   return p;
 }
 
-/// Returns an area fraction that the models of positions cover, with a note if it is another.
+/// Returns an area fraction within the range of the models of positions, with a note if that changed it.
 double limited_fraction(double fraction, std::vector<std::string>& notes) {
   if (fraction <= optics::kMaxAreaFraction) return fraction;
   notes.push_back(
@@ -194,7 +194,7 @@ std::string scatterer_element(const Microstructure& m, std::vector<std::string>&
   // equal.
   double fraction = m.area_fraction.value, radius = r;
   if (!spread && r > a && r < 1.03 * a) radius = a;
-  double reach = radius;  // of a shape of mean size
+  double reach = radius;  // reach of a shape of mean size
   if (!m.round) {
     reach = 0;
     for (const auto& p : m.mean_outline) reach = std::max(reach, std::hypot(p[0], p[1]));
@@ -261,7 +261,7 @@ MeasuredMaterial measured_material(const Microstructure& m) {
       m.shape_fraction.high, m.area_fraction.value, m.area_fraction.low, m.area_fraction.high);
   for (const auto* notes : {&m.choices, &m.notes, &std::as_const(made.notes)})
     for (const std::string& note : *notes) comment += "\n     Note: " + note + ".";
-  // A comment of XML has no two hyphens side by side.
+  // An XML comment must not contain two hyphens in a row.
   for (size_t at; (at = comment.find("--")) != std::string::npos;) comment.erase(at, 2);
   made.scene = "<!-- " + comment + " -->\n<scene version=\"3.0.0\">\n" + element + "</scene>\n";
   return made;

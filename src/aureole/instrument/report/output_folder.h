@@ -13,8 +13,8 @@ namespace aureole {
 
 class OutputFolder {
 public:
-  /// `marker` is a file that every result of this kind contains. An existing folder that is not empty is
-  /// replaced only if it contains one. Throws Error.
+  /// Prepares a folder of results. `marker` is a file that every result of this kind contains. An existing
+  /// folder that is not empty is replaced only if it contains one. Throws Error.
   OutputFolder(std::filesystem::path folder, const std::string& marker);
   /// Temporary path of a file before the commit.
   std::filesystem::path path(const std::string& name) const { return part_->path() / name; }
@@ -23,7 +23,7 @@ public:
 
 private:
   std::filesystem::path folder_;
-  std::optional<PartFolder> part_;  ///< removed if it was not committed
+  std::optional<PartFolder> part_;  ///< temporary folder; removed if it was not committed
 };
 
 }  // namespace aureole

@@ -35,7 +35,8 @@ Axes fit_axes(const Plot& plot) {
   return a;
 }
 
-/// The plot of the logarithms; values without a logarithm are replaced by the least value that has one.
+/// Returns the plot with logarithms of its values; values without a logarithm are replaced by the smallest
+/// value that has one.
 Plot logarithms(Plot plot) {
   double least = INFINITY;
   for (const PlotSeries& s : plot.series)
@@ -107,7 +108,8 @@ void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
     }
 }
 
-/// Width beside the axes for a legend of many lines, which would hide lines if inside; 0 for few lines.
+/// Width beside the axes for a legend of many entries, which would hide lines if it were inside; 0 for few
+/// entries.
 int legend_width(const Plot& plot) {
   constexpr int kMaxWithin = 4;
   const auto named = std::count_if(plot.series.begin(), plot.series.end(),

@@ -14,7 +14,7 @@ struct PlotSeries {
   std::vector<double> low, high;  ///< ends of error bars, or empty; for a line they form a band
   double bar_width = 0;
   std::string label = {};  ///< legend entry, if any
-  std::string color = {};  ///< of lines and points; empty: the default colour
+  std::string color = {};  ///< color of lines and points; empty: the default colour
 };
 
 struct Plot {

@@ -37,7 +37,7 @@ public:
   using typename Base::Connection;
 
   /// `streams`: how often `SampleStream::of_second_path` is applied to the random numbers of a sample.
-  /// `earlier`: another walk, to whose vertices the vertices of this one are added, or null.
+  /// `earlier`: another walk to whose vertices this walk adds its own, or null.
   LightWalk(const WalkInput& in, const Techniques& techniques, std::vector<Splat>& splats, int streams = 1,
             const LightWalk* earlier = nullptr)
       : Base(in), techniques_(techniques), splats_(splats) {
@@ -60,8 +60,8 @@ public:
     if (!emitted) return false;
     const aureole::Light& light = *emitted->choice.light;
     s.emission = {emitted->choice, emitted->ray};
-    // Other techniques find the position on the light by its solid angle as seen from the first vertex: one
-    // vertex has the cosine of this.
+    // Other techniques sample the position on the light by solid angle at the first vertex; this cosine
+    // converts the position's pdf from area.
     const float cosine = light.shape ? std::abs(dot(emitted->ray.ng, emitted->ray.d)) : 1.f;
     s.density.earlier = light.is_delta() ? 0.f : cosine / emitted->pdf;
     s.density.r_l = cosine / emitted->pdf;
@@ -69,7 +69,7 @@ public:
     return true;
   }
 
-  /// With the sensor.
+  /// Connects the vertex with the sensor.
   bool connect(int i, int, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
@@ -95,7 +95,7 @@ public:
   // Hooks of the walk:
   SampleStream& samples(int i) { return states_[i].samples; }
   const LightSubpathDensity<L>& vertex_density(int i) const { return states_[i].arrived; }
-  /// The pdfs of a vertex, which is kept for connections.
+  /// Stores the pdfs of a vertex, which is kept for connections.
   void at_vertex(int i) {
     State& s = states_[i];
     LightVertex<L>& present = vertices_.present(i);
@@ -103,7 +103,8 @@ public:
     s.arrived = s.density;
     float spread = length_squared(vertex.p() - s.from.p);
     if (s.depth == 0) {
-      // The pdf of the connection is per solid angle already, but not that with a point.
+      // The pdf of connecting to a shape is already per solid angle; the pdf of connecting to a point light
+      // is not.
       spread = s.emission.connection_density(scene_, {vertex.p(), vertex.facing()}) *
                (s.emission.ray.delta_position ? spread : 1.f);
     }
@@ -127,7 +128,7 @@ private:
 
   const Techniques& techniques_;
   std::vector<Splat>& splats_;
-  Vec2 film_[kBatch];  ///< where the light of a connection falls
+  Vec2 film_[kBatch];  ///< position on the film to which a connection contributes
 };
 
 }  // namespace aureole::bdpt

@@ -43,9 +43,9 @@ public:
   /// Begins a path with the ray of the sensor.
   void start(int i) {
     this->begin_at_sensor(i);
-    states_[i].density.r_l = 1.f;  // `at_vertex` asks the sensor
+    states_[i].density.r_l = 1.f;  // `at_vertex` sets the pdf of the first vertex from the sensor
   }
-  /// Connects the path with the vertices of a light path, given its last one, or null.
+  /// Gives the path the vertices of a light path to connect with: the last vertex, or null.
   void put_light(int i, const LightVertex<L>* last) { states_[i].light = last; }
   const LightVertex<L>* last_light_vertex(int i) const { return states_[i].light; }
 
@@ -64,7 +64,7 @@ public:
     if (open) path(i).result.estimate += c.estimate();
     if (log_.follows(i)) this->log_connection(c, open, k > 0 ? states_[i].present_light->edges : 0);
   }
-  /// Whether paths that connect the present vertex with that one count.
+  /// Whether paths that connect the present vertex with the light path's vertex `end` count.
   bool may_connect(int i, const LightVertex<L>& end) const {
     const State& s = states_[i];
     return this->reaches(i, 2 + end.edges + end.crossed) && techniques_.have(end.edges + 1, s.depth + 2) &&
@@ -102,12 +102,12 @@ public:
     s.density = s.arrived;
     s.density.scatter(b, vertex.reverse_pdf(b), vertex.density_across(b.d));
   }
-  /// The path has hit a light: this is the technique without a light path.
+  /// Adds the emission of a light that the path has hit: the technique without a light path (s = 0).
   void emission(int i, const aureole::Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     const State& s = states_[i];
     if (s.emission_counted || is_black(radiance) || !techniques_.have(0, s.depth + 2)) return;
     Spectrum all = s.density.r_u;
-    // No connection finds what the sensor sees directly.
+    // No connection finds a light that the sensor sees directly.
     if (s.depth > 0) {
       const Vec3& d = s.segment.ray.d;
       const std::size_t part = point ? light.part_of(*point) : 0;

@@ -20,14 +20,14 @@ namespace aureole::bdpt {
 struct Techniques {
   int s, t;
 
-  /// All techniques count, with MIS weights. One that was chosen counts without a weight.
+  /// Whether all techniques count, with MIS weights. A single chosen technique counts without a weight.
   bool are_weighted() const { return s < 0 && t < 0; }
   bool have(int from_light, int from_sensor) const {
     return (s < 0 || s == from_light) && (t < 0 || t == from_sensor);
   }
   /// Whether light paths with a second vertex count.
   bool need_light() const { return s != 0 && s != 1; }
-  /// The pdfs of other techniques, as far as they count.
+  /// The pdfs of other techniques, or 0 where a single technique was chosen.
   Spectrum others(const Spectrum& pdfs) const { return are_weighted() ? pdfs : Spectrum(0.f); }
 };
 

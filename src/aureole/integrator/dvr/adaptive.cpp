@@ -10,12 +10,12 @@ namespace aureole {
 
 namespace {
 
-/// The light of a layer as weights of the colours' basis, and the light from behind that passes it.
+/// The emission of a layer as weights of the colours' basis spectra, and its transmittance.
 struct AdaptiveLayer {
   float thickness = 0;
   ColorWeights emission;  ///< sum of thickness times colour
 
-  /// `scale` is that of the emitted light.
+  /// Adds a step of a given length; `scale` is the scale of the emitted light.
   void add(const TransferFunction::Sample& s, float length, float scale) {
     const float t = s.extinction * length, e = t * scale;
     thickness += t;
@@ -27,7 +27,7 @@ struct AdaptiveLayer {
   float escape() const { return thickness > 0 ? opacity() / thickness : 1; }
 };
 
-/// The largest difference between a layer, and two layers one before the other, of light and of transmittance.
+/// Largest difference, in emission and in transmittance, between a whole layer and the two halves of it.
 float difference_of(const AdaptiveLayer& whole, const AdaptiveLayer& near, const AdaptiveLayer& far) {
   const float passed = 1 - near.opacity(), w = whole.escape(), n = near.escape(), f = far.escape() * passed;
   const auto at = [&](float ColorWeights::*c) {
@@ -41,7 +41,8 @@ float difference_of(const AdaptiveLayer& whole, const AdaptiveLayer& near, const
 }  // namespace
 
 VolumeResult VolumeMarch::adapt() {
-  constexpr float kLongest = 8, kShortest = 1.f / 64;  // in units of the first step
+  constexpr float kLongest = 8,
+                  kShortest = 1.f / 64;  // longest and shortest step, in units of the first step
   constexpr int kMaxSteps = 1 << 20;
   VolumeResult result;
   const float longest = settings_.step * kLongest,
@@ -50,12 +51,13 @@ VolumeResult VolumeMarch::adapt() {
   const float allowed_per_length = 0.5f * settings_.tolerance / (end_ - begin_),
               allowed_per_opacity = 0.5f * settings_.tolerance;
   const bool is_shaded = settings_.gradient_lighting;
-  ColorWeights light;  // where there are no lights: becomes a spectrum at the end
+  ColorWeights light;  // emission in scenes without lights; converted to a spectrum at the end
   float length = settings_.step, t = begin_;
-  bool is_continued = false;  // whether the numbers at t are known
+  bool is_continued = false;  // whether the sampled values at t are known
   for (Part& part : parts_) part.next = 0;
   while (t < end_) {
-    // The first interval that may absorb, and the distance at which one begins or ends: no step goes across.
+    // Distance of the first interval that may absorb, and distance at which the next interval begins or ends:
+    // no step crosses it.
     float next = kInfinity, limit = kInfinity;
     for (Part& part : parts_) {
       while (part.next < part.active.size() && part.active[part.next][1] <= t) ++part.next;
@@ -102,7 +104,7 @@ VolumeResult VolumeMarch::adapt() {
       return layer;
     };
     if (!is_continued) look_up(&Part::first, t);
-    // The last step before the limit is longer by less than half, instead of a short one after it.
+    // The last step before the limit is lengthened by up to a half, instead of adding a short step after it.
     float end = limit - t < 1.5f * length ? limit : t + length, middle = 0.5f * (t + end);
     look_up(&Part::last, end);
     look_up(&Part::middle, middle);

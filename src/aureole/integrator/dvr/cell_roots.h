@@ -14,8 +14,8 @@ namespace aureole {
 
 struct CellRoot {
   float t;                                   ///< distance along the ray
-  float value;                               ///< of the isosurface
-  const ClassifiedMedium* medium = nullptr;  ///< which holds the field
+  float value;                               ///< value of the isosurface
+  const ClassifiedMedium* medium = nullptr;  ///< medium that holds the field
 };
 
 /// Calls visit(root) for each root of f(s) = value, 0 <= s < 1, in ascending order; f is the cubic with these values at
@@ -37,8 +37,9 @@ void visit_cubic_roots(const double f[4], double value, Visit&& visit) {
       if (e > 0 && e < 1) ends[count++] = e;
   }
   ends[count] = 1;
-  // A root is a change between below the value and not below it, so that a constant stretch at the value is one root.
-  // At the ends of the cell the numbers themselves decide, which the neighbouring cell has, too.
+  // A root is a change from below the value to not below it, so that a segment that is constant at the value
+  // is one root. At the ends of the cell the stored values themselves decide, which the neighbouring cell
+  // shares.
   const auto is_below = [&](int end) {
     return end == 0 ? f[0] < value : end == count ? f[3] < value : at(ends[end]) < 0;
   };
@@ -68,14 +69,14 @@ void find_isosurfaces(const ScalarField& field, const Ray& ray, float begin, flo
   std::vector<CellRoot> roots;
   double last_number = double(field.value(ray.o + ray.d * begin));
   while (t < end) {
-    // The cell, or the border of constant numbers, that holds the ray just behind t.
+    // The cell that holds the ray just behind t, or the border of constant values.
     double next = end;
     const double probe = t + 1e-6 * std::max(1.0, std::abs(t)) * 0.01;
     for (int k = 0; k < 3; ++k) {
       if (d[k] == 0) continue;
       const double last = double(field.size()[std::size_t(k)] - 1), i = double(o[k]) + probe * double(d[k]);
       const double plane = d[k] > 0 ? std::max(0.0, std::floor(i) + 1) : std::min(last, std::ceil(i) - 1);
-      if (d[k] > 0 ? plane > last : plane < 0) continue;  // beyond the outermost centres
+      if (d[k] > 0 ? plane > last : plane < 0) continue;  // the plane lies beyond the outermost voxel centres
       const double crossing = (plane - double(o[k])) / double(d[k]);
       if (crossing > probe) next = std::min(next, crossing);
     }
@@ -84,7 +85,8 @@ void find_isosurfaces(const ScalarField& field, const Ray& ray, float begin, flo
     f[0] = last_number;
     for (int k = 1; k < 4; ++k) f[k] = double(field.value(ray.o + ray.d * float(t + (next - t) * k / 3)));
     last_number = f[3];
-    // Lagrange's weights of four equidistant samples add up to less than 2 in magnitude within them.
+    // Bounds of the cubic from its four equidistant samples: Lagrange's weights add up to less than 2 in
+    // magnitude between the outermost samples.
     const auto [low, high] = std::minmax({f[0], f[1], f[2], f[3]});
     const double margin = 3 * (high - low);
     roots.clear();

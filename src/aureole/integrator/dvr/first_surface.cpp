@@ -27,7 +27,7 @@ void find_first_surfaces(const Scene& scene, std::span<const Ray> rays, RayTrace
       const SurfacePoint point = scene.surface_point(hit, next[i]);
       const float distance = dot(point.p - ray.o, ray.d);
       if (stops(*point.surface)) {
-        // Off the surface, by the bound of its rounding error, towards the origin.
+        // The position is offset from the surface by its rounding error bound, towards the ray's origin.
         const Vec3 before = offset_origin(point.p, point.p_error, point.ng, -ray.d);
         distances[i] = std::max(0.f, std::min(distance, dot(before - ray.o, ray.d)));
         return;

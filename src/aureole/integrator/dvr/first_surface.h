@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first surface that ends a ray of `dvr`: null surfaces, which hold media, are passed.
+// The first surface that ends a ray of `dvr`: the ray crosses null surfaces, which bound media.
 #pragma once
 
 #include <span>

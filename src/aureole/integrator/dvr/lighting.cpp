@@ -10,7 +10,7 @@ namespace aureole {
 
 namespace {
 
-/// Up to this many delta lights are all sampled; else one light is chosen for each sample.
+/// Largest number of delta lights that are all sampled; among more lights one is chosen for each sample.
 constexpr std::size_t kMaxSampled = 8;
 
 bool samples_all(const Scene& scene) {
@@ -91,7 +91,7 @@ float VolumeLighting::ambient(const Vec3& p, const Vec3& n) {
     const float u = (float(k) + random_.next()) / float(count), r = std::sqrt(u),
                 phi = 2 * kPi * random_.next();
     const Vec3 d = frame.to_world({r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.f, 1 - u))});
-    // Begins two steps off the point, so that the surface does not occlude itself.
+    // The shadow ray begins two steps off the point, so that the surface does not occlude itself.
     sum += transmittance({p + d * voxel, d}, settings_.occlusion_radius, voxel);
   }
   return sum / float(count);

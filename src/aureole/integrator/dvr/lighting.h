@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that arrives at points of a volume along one ray of `dvr`, and how gradient shading and scattering show it.
+// Light that arrives at points of a volume along one ray of `dvr`, and the radiance of gradient shading and
+// of scattering there.
 #pragma once
 
 #include <span>
@@ -18,10 +19,10 @@ public:
                  const DvrSettings& settings, const Path& path, const Spectrum& d65, KeyedRandom& random)
       : scene_(scene), media_(media), settings_(settings), path_(path), d65_(d65), random_(random) {}
 
-  /// Radiance towards the sensor of a point with the given colour and gradient, per part of its opacity: Levoy's shading.
-  /// Without a gradient the ambient part is left.
+  /// Radiance towards the sensor of a point with the given colour and gradient, per unit of its opacity, by
+  /// Levoy's shading. Without a gradient only the ambient term remains.
   Spectrum shaded(const ClassifiedMedium& medium, const Vec3& p, const Spectrum& color, const Vec3& gradient);
-  /// Radiance towards the sensor that the medium scatters once, per part of its extinction, with this albedo.
+  /// Single-scattered radiance towards the sensor, per unit of extinction, for this albedo.
   Spectrum scattered(const ClassifiedMedium& medium, const Vec3& p, const Spectrum& albedo);
 
 private:

@@ -48,7 +48,7 @@ VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* c
   for (const ClassifiedMedium* medium : media)
     if (clip(begin, end, medium)) first = std::min(first, begin);
   if (first == kInfinity) return;
-  // A little before the media, since this distance is rounded.
+  // The march begins a little before the media, since this distance is rounded.
   shift_ = std::max(0.f, first - std::abs(first) * 1e-6f);
   for (int k = 0; k < 3; ++k) ray_.o[k] = float(double(ray_.o[k]) + double(ray_.d[k]) * double(shift_));
   begin_ = kInfinity;
@@ -154,10 +154,10 @@ VolumeResult VolumeMarch::composite(float length) {
     Spectrum color;
     float opacity;
   };
-  std::vector<Layer> layers;  // for back to front
+  std::vector<Layer> layers;  // layers of the ray, which compositing from back to front needs
   for (Part& part : parts_) part.next = 0, part.last_end = -1;
   for (int k = 0; k < count;) {
-    // The first step that touches what may absorb.
+    // First step that overlaps an interval which may absorb.
     const float from = begin_ + float(k) * length;
     float next = kInfinity;
     for (Part& part : parts_) {
@@ -209,7 +209,7 @@ VolumeResult VolumeMarch::integrate() {
   constexpr int kMaxHalvings = 12;
   float step = settings_.step;
   VolumeResult coarse = composite(step);
-  int agreements = 0;  // two in a row, since one may be chance
+  int agreements = 0;  // two agreements in a row, since one may be chance
   for (int k = 0; k < kMaxHalvings && agreements < 2; ++k) {
     step *= 0.5f;
     VolumeResult fine = composite(step);

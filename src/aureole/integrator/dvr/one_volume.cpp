@@ -21,12 +21,12 @@ VolumeResult VolumeMarch::composite_one(float length) {
   const float offset = settings_.jitter ? random_.next() : 0.5f;
   const int count = divide_into_steps(end_ - begin_, length);
   const float termination = settings_.termination;
-  /// The sums along the ray, of which a segment works on a copy in registers.
+  /// The sums along the ray. Each segment works on a copy of them in registers.
   struct Sums {
     ColorWeights light;
     float transmittance = 1, thickness = 0;
     int lookups = 0;
-    float last_end = -1, last_value = 0;  // end of the last preintegrated step, and the number there
+    float last_end = -1, last_value = 0;  // end of the last preintegrated step, and the volume's value there
   } sums;
   medium.field().along(ray_, [&](const auto& value_at) {
     /// Composites the step from a to b. Returns whether the ray ends. `starts_at_last`: the last step ended at a.
@@ -68,8 +68,8 @@ VolumeResult VolumeMarch::composite_one(float length) {
     };
 
     if (settings_.steps == DvrSettings::Steps::by_opacity) {
-      // No step can absorb more than a given part of the light from behind, by the bound of its block.
-      constexpr float kLongest = 8;  // in units of `step`
+      // No step may absorb more than a given fraction of the light from behind, by the bound of its block.
+      constexpr float kLongest = 8;  // longest step, in units of `step`
       float t = begin_;
       medium.majorants().visit_segments(ray_, part.end, [&](const MajorantSegment& block) {
         Sums s = sums;
@@ -78,7 +78,8 @@ VolumeResult VolumeMarch::composite_one(float length) {
         for (t = std::max(t, std::max(block.begin, part.begin)); t < to && !is_over;) {
           const float wanted = settings_.step_opacity / (s.transmittance * block.bound);
           float end = t + std::clamp(wanted, length, kLongest * length);
-          // The last step of a block ends with it, or crosses its end by less than `step` where it would be shorter.
+          // The last step of a block ends with the block, or crosses its end by less than `step` where it
+          // would be shorter.
           if (end > to - 0.5f * length) end = std::min(std::max(to, t + length), end_);
           is_over = take_step(s, t, end, s.last_end == t);
           t = end;

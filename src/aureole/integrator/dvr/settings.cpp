@@ -108,7 +108,7 @@ DvrSettings DvrSettings::read(const Properties& p) {
   }
   if (s.method == single_scattering) s.jitter = true;
   if (s.method == xray) s.termination = 0;
-  // The integral to a tolerance leaves out less than that, and finds narrow functions.
+  // The adaptive integral leaves out less light than its tolerance, and finds narrow functions.
   if (s.method == emission_absorption)
     s.termination = std::min(s.termination, 0.1f * s.tolerance), s.preintegrated = true;
   if (s.order == Order::back_to_front && p.has("termination") && s.termination > 0)

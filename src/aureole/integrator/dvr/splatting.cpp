@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Splatting of a grid (Westover 1990, "Footprint evaluation for volume rendering"): each voxel is classified, spread by a
 // Gaussian kernel, and added to sheets that are then composited. The picture's value along a ray is a sum over the voxels
-// whose footprints hold the ray. It is gathered for each ray here, which gives the sums that are scattered there.
+// whose footprints hold the ray. Westover adds each voxel to the pixels; here each ray gathers its voxels,
+// which gives the same sums.
 #include <algorithm>
 #include <cmath>
 
@@ -11,14 +12,14 @@ namespace aureole {
 
 namespace {
 
-/// Beyond so many standard deviations the kernel is cut.
+/// Number of standard deviations beyond which the kernel is cut.
 constexpr float kKernelReach = 4;
 
 /// Integral of the normal distribution up to x standard deviations.
 float normal_integral(float x) { return 0.5f * std::erfc(-x * 0.70710678f); }
 
 struct SplatSheet {
-  float thickness = 0, value = 0;  ///< value: sum of thickness times number
+  float thickness = 0, value = 0;  ///< value: sum of thickness times value of the volume
   ColorWeights emission;           ///< sum of thickness times colour
 
   void add(const TransferFunction::Sample& s, float number, float t) {
@@ -53,7 +54,7 @@ VolumeResult VolumeMarch::splat() {
   const std::array<int, 3>& size = field.size();
   const TransferFunction* const function = medium.classification().only_function();
   const bool are_parallel = settings_.sheets == DvrSettings::Sheets::image;
-  // The ray in units of voxels: o + t d, of which a unit of length in the world is `scale` long.
+  // The ray o + t d in units of voxels; a length of 1 in world space has length `scale` there.
   const Vec3 o = field.index_of(ray_.o), d = field.index_vector(ray_.d);
   const float scale = length(d);
   const Vec3 u = d * (1 / scale);
@@ -64,8 +65,8 @@ VolumeResult VolumeMarch::splat() {
   if (std::abs(u[axis]) < kSmallestCosine) axis = nearest_axis(field, ray_.d);
   const int a = (axis + 1) % 3, b = (axis + 2) % 3;
   const float sigma = settings_.kernel_width, reach = kKernelReach * sigma;
-  const float density =
-      1 / (2 * kPi * sigma * sigma * scale);  // of a footprint in its middle, as length in the world
+  const float density = 1 / (2 * kPi * sigma * sigma *
+                             scale);  // thickness of a footprint at its centre, as a length in world space
   // A footprint is a circle about the ray, and an ellipse in the layer.
   const auto half_of = [&](int k) { return reach * std::hypot(u[axis], u[k]) / std::abs(u[axis]); };
   const float half_a = half_of(a), half_b = half_of(b);
@@ -81,7 +82,7 @@ VolumeResult VolumeMarch::splat() {
   if (are_parallel) {
     constexpr float kMaxSheets = 1 << 20;
     slab = std::max(slab, (limit - part.begin + 2 * behind) / kMaxSheets);
-    // Slabs lie on one grid of distances from the ray's origin, for all rays of a picture.
+    // Slabs lie on one grid of distances from the ray's origin, which all rays of a picture share.
     from = std::floor((part.begin - behind + shift_) / slab) * slab - shift_;
     sheets.resize(std::size_t(std::ceil((limit + behind - from) / slab)) + 1);
   }
@@ -96,7 +97,7 @@ VolumeResult VolumeMarch::splat() {
     result.transmittance *= 1 - opacity;
     note_half(result, before, sheet.value / sheet.thickness, t);
   };
-  const auto composite_until = [&](float t) {  // slabs that end before the distance t
+  const auto composite_until = [&](float t) {  // Composites the slabs that end before the distance t.
     for (; done < sheets.size() && from + float(done + 1) * slab <= t; ++done)
       composite_sheet(sheets[done], from + (float(done) + 0.5f) * slab);
   };
@@ -104,7 +105,8 @@ VolumeResult VolumeMarch::splat() {
   const int count = size[std::size_t(axis)], way = d[axis] > 0 ? 1 : -1;
   for (int k = way > 0 ? 0 : count - 1; k >= 0 && k < count; k += way) {
     const float t = (float(k) - o[axis]) / d[axis];
-    if (t + shift_ < 0 || t > length_ - shift_) continue;  // behind the sensor, or behind a surface
+    if (t + shift_ < 0 || t > length_ - shift_)
+      continue;  // the sample is behind the sensor, or behind a surface
     const Vec3 q = o + d * t;
     const auto first = [](float c, float half) {
       return std::max(0, int(std::ceil(std::max(c - half, -1e6f))));
@@ -137,7 +139,7 @@ VolumeResult VolumeMarch::splat() {
           sheet.add(s, number, thickness);
           continue;
         }
-        // The part of the kernel within each slab.
+        // The fraction of the kernel within each slab.
         const float at = t + along / scale, width = sigma / scale;
         const auto slab_of = [&](float distance) {
           return std::size_t(std::clamp((distance - from) / slab, 0.f, float(sheets.size() - 1)));

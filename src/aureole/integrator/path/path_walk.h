@@ -14,12 +14,13 @@ namespace aureole {
 /// Further state of a path in scenes of `Space::any`.
 template <class L>
 struct PathInSpace {
-  /// At a vertex in a medium: the pdf of sampling its position about a light, relative to the hero's pdf of
-  /// the walk.
+  /// At a vertex in a medium: the pdf of sampling its position by equiangular sampling, relative to the
+  /// hero's pdf of the walk.
   Spectrum r_equiangular;
-  Spectrum emission_share{1.f};                       ///< `EmissionSampling::share`
-  BasicPathDensity<L, PathStart::sensor> line_start;  ///< where the line of sight of `begin_line` has begun
-  std::optional<Equiangular> positions;               ///< along the present ray, sampled about a light
+  Spectrum emission_share{1.f};  ///< fraction `EmissionSampling::share` of the path
+  BasicPathDensity<L, PathStart::sensor>
+      line_start;                        ///< density of the path at the origin of the line of sight
+  std::optional<Equiangular> positions;  ///< equiangular sampling along the present ray
 };
 struct PathInEmptySpace {};
 
@@ -47,7 +48,8 @@ public:
   explicit PathWalk(const WalkInput& in)
       : Base(in),
         media_(kAny ? connected_media(in.scene) : nullptr),
-        // MIS weights along a ray do not know the choice of an edge that diffracts.
+        // Equiangular sampling is off in scenes with edges that diffract, since its MIS weights do not
+        // include the choice of an edge.
         samples_equiangular_(kAny && !in.scene.diffraction() && in.scene.lights().tree().can_be_connected()) {
     if (has_media()) line_steps_.emplace(in.scene, *this);
   }
@@ -123,13 +125,13 @@ public:
     return !const_cast<PathWalk*>(this)->vertices_[i].is_surface() && !may_sample_equiangular(states_[i]);
   }
 
-  // For the driver:
+  // Functions that the driver calls:
   void put_segments(BatchConnections<Connection>* room) requires kAny { segments_ = room; }
   void finish_lines() requires kAny {
     if (!lines_.empty()) follow(scene_, *line_steps_, lines_, RayTracer::Rays::incoherent);
   }
 
-  // For lines of sight:
+  // Functions that lines of sight call:
   SegmentEmission emission(int i) const { return {.r_u = states_[i].line_start.r_u}; }
   void see(int i, const Spectrum& light) { add_seen(i, nullptr, {}, light); }
   void see(int i, const Light&, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
@@ -156,17 +158,17 @@ private:
     const Vertex& vertex = vertices_[i];
     if (s.last || !vertex.is_smooth()) return false;
     Path& p = path(i);
-    // The random numbers are those of the connection with a light: the two estimates add up.
+    // Both connections use the same random numbers, since their estimates are summed.
     return aureole::connect_to_emission(
         scene_, vertex, s.segment, s.density, get(p.samples, s.vertex, Choice::light),
         get(s.pairs, Pair::connection), p.wavelengths, {}, key(p.samples, s.vertex, Stream::emission), out);
   }
 
   /// Emission of lights behind media where next-event estimation cannot find it (from the sensor, after a
-  /// mirror): a walk would be scattered before it or not, while a line of sight takes the transmittance and
-  /// has no such noise. It begins where the ray first comes into a medium. Only towards lights with a shape:
-  /// a sky is about as bright as the in-scattered light of the fog before it, so that the walk's single
-  /// choice between the two has less noise than their sum.
+  /// mirror): a walk that either reaches the light or is scattered before it has noise, which a line of sight
+  /// by its transmittance has not. It begins where the ray first comes into a medium. Only towards lights
+  /// with a shape: a sky is about as bright as the in-scattered light of the fog before it, so that the
+  /// walk's single choice between the two has less noise than their sum.
   void begin_line(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     if (s.emission_counted || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
@@ -179,20 +181,20 @@ private:
 
   /// Whether positions along the present ray in its medium may be sampled about lights.
   bool may_sample_equiangular(const State& s) const {
-    constexpr int kLatest = 8;  // after more scattering events the radiance is nearly uniform
+    constexpr int kLatest = 8;  // scattering events after which the radiance is nearly uniform
     return samples_equiangular_ && s.depth < kLatest && scene_.lights_reach(*s.segment.medium);
   }
 
-  /// Connects a position along the ray, sampled about a light near it, wherever the walk itself will be
-  /// scattered. Such positions are not connected with emission of media, whose MIS weights do not count this
-  /// technique (`emission_share`).
+  /// Connects a position along the ray, sampled about a light near it, independently of where the walk will
+  /// be scattered. Such positions are not connected with emission of media, whose MIS weights do not include
+  /// this technique (`emission_share`).
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& p = path(i);
     if (!may_sample_equiangular(s) || !this->reaches(i, 2) || s.in_media == limits_.max_scattering ||
         !s.density.has_light())
       return {};
-    // The random numbers are those of the next vertex: the two estimates add up.
+    // The random numbers of the next vertex serve for this position as well, since both estimates are summed.
     const std::uint32_t random = key(p.samples, s.vertex, Stream::equiangular);
     const auto positions =
         equiangular_positions(scene_, s.segment, t_max, p.wavelengths, KeyedRandom(random).next());
@@ -208,11 +210,11 @@ private:
     return positions;
   }
 
-  const EmittingMedia* media_;      ///< that next-event estimation samples, or null
-  const bool samples_equiangular_;  ///< in media
+  const EmittingMedia* media_;      ///< media whose emission next-event estimation samples, or null
+  const bool samples_equiangular_;  ///< whether equiangular sampling is used in media
   BatchConnections<Connection>* segments_ = nullptr;
-  std::optional<LinesOfSight<PathWalk>> line_steps_;  ///< in scenes with media
-  BatchRays lines_;                                   ///< its rays
+  std::optional<LinesOfSight<PathWalk>> line_steps_;  ///< lines of sight, in scenes with media
+  BatchRays lines_;                                   ///< rays of the lines of sight
 };
 
 }  // namespace aureole

@@ -36,7 +36,7 @@ public:
         counts_crossings_(in.scene.sensor().counts_crossings()),
         counts_beams_(counts_crossings_ && in.limits.reaches(1) && !in.limits.hide_emitters) {}
 
-  /// Whether paths of one segment count.
+  /// Whether paths of one segment, straight from a light to the sensor, count.
   bool counts_beams() const { return counts_beams_; }
 
   /// Begins a path at a light, or in a medium that emits; false where it carries no light.
@@ -49,7 +49,8 @@ public:
     if (share > 0) u.x = std::min((u.x - share) / (1 - share), 0x1.fffffep-1f);
     const auto emitted = this->begin_at_light(i, u, 1 - share);
     if (!emitted) return false;
-    // A beam that no connection finds; one from infinity is found by the connections of the receivers.
+    // A beam of one direction, which no connection finds. A beam from infinity is found by the connections of
+    // the receivers.
     if (counts_beams_ && emitted->ray.delta_direction && !emitted->choice.light->is_infinite())
       cross_receivers(i, RayOrigin::of(emitted->ray), emitted->ray.d, [&] { return states_[i].segment; });
     return true;
@@ -63,7 +64,7 @@ public:
                                 p.wavelengths,
                                 scene_.has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out,
                                 film_[i], [&](const auto&, const auto&, Spectrum& own, Spectrum& other) {
-                                  own = s.density.r_u, other = 0.f;  // there is no other technique
+                                  own = s.density.r_u, other = 0.f;  // no other technique finds such a path
                                   return true;
                                 });
   }
@@ -106,8 +107,8 @@ private:
     return true;
   }
 
-  /// Light that a mirror or a beam has sent along `d`, which no connection finds, where it crosses the
-  /// sensor's receivers.
+  /// Light that a mirror or a beam has sent along `d`, where its ray crosses the sensor's receivers. No
+  /// connection finds it.
   template <class Start>
   void cross_receivers(int i, const RayOrigin& from, const Vec3& d, const Start& start) {
     const State& s = states_[i];
@@ -128,7 +129,7 @@ private:
 
   std::vector<Splat>& splats_;
   const bool counts_crossings_, counts_beams_;
-  Vec2 film_[kBatch];  ///< where the light of a connection falls
+  Vec2 film_[kBatch];  ///< position on the film to which a connection contributes
 };
 
 }  // namespace aureole

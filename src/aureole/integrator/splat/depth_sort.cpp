@@ -38,7 +38,7 @@ UnfilledVector<std::uint32_t> sort_by_depth(std::span<const float> depths) {
         1);
   };
   for_parts([&](std::size_t, std::size_t begin, std::size_t end) {
-    // The bits of positive floats are ordered as the numbers.
+    // The bits of positive floats, read as integers, have the order of the numbers.
     for (std::size_t i = begin; i < end; ++i)
       from[i] = {std::bit_cast<std::uint32_t>(depths[i]), std::uint32_t(i)};
   });

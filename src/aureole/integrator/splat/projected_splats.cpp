@@ -22,7 +22,7 @@ Vec3d times(const Transform::Matrix& m, const Vec3d& v) {
           m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
 }
 
-/// A symmetric matrix of two rows.
+/// A symmetric 2 x 2 matrix.
 struct Covariance {
   double xx = 0, xy = 0, yy = 0;
   double determinant() const { return xx * yy - xy * xy; }
@@ -33,9 +33,9 @@ struct Reach {
   double x0, x1, y0, y1;
 };
 
-/// Where |(A, B)| = k D, with the rows of A and B and the gradient d of D, relative to the centre. The curve is an ellipse
-/// where the dual conic C has C33 < 0; the lines x = t and y = t that touch it are the roots of C_ii - 2 t C_i3 + t^2 C33.
-/// Returns false where it is no ellipse.
+/// The reach of the curve |(A, B)| = k D relative to the centre, with the rows of A and B and the gradient d
+/// of D. The curve is an ellipse where the dual conic C has C33 < 0; the lines x = t and y = t that touch it
+/// are the roots of C_ii - 2 t C_i3 + t^2 C33. Returns false where it is no ellipse.
 bool ellipse_reach(const SplatFootprint& f, double k, Reach& reach) {
   const double a0 = double(f.a0), a1 = double(f.a1), b0 = double(f.b0), b1 = double(f.b1), d0 = double(f.d0),
                d1 = double(f.d1);
@@ -61,9 +61,9 @@ struct SplatProjector {
   const SplatSettings& settings;
   const SplatConventions& conventions;
   const PinholeView& view;
-  Transform::Matrix to_camera;  ///< from the axes of the cloud
+  Transform::Matrix to_camera;  ///< matrix from the axes of the cloud to the camera
   Transform::Matrix turn;       ///< the rotation of the world to the axes of the cloud
-  Vec3d eye;                    ///< of the camera, in the world
+  Vec3d eye;                    ///< position of the camera in world space
   Transform::Matrix to_world;
   double near, cutoff;
   bool compensates;
@@ -123,7 +123,7 @@ struct SplatProjector {
     f.weight = cloud.opacities[i];
     const Vec3 s = cloud.scales[i];
 
-    // Columns of the matrix from the unit sphere to camera space.
+    // Columns of the matrix that maps the unit sphere to the splat in camera space.
     const auto& r = cloud.rotations[i];
     const double w = double(r[0]), x = double(r[1]), y = double(r[2]), z = double(r[3]);
     Vec3d axes[3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
@@ -186,7 +186,8 @@ struct SplatProjector {
         if (settings.opacity_limit > 0)
           k = std::min(k, std::sqrt(2 * std::log(double(f.weight) / double(settings.opacity_limit))));
       } else if (settings.footprint == Footprint::ewa) {
-        f.weight = float(area_ratio);  // of the convolution of a Gaussian of height 1 with one of area 1
+        f.weight =
+            float(area_ratio);  // height of the convolution of a Gaussian of height 1 with one of area 1
       } else {
         f.weight = 1;
         if (settings.footprint == Footprint::disc) k = 1;

@@ -17,13 +17,13 @@ namespace aureole {
 /// A splat in the picture. At the film position (x + dx, y + dy) its exponent is -(A^2 + B^2) / (2 D^2) with A = a0 dx +
 /// a1 dy, B = b0 dx + b1 dy, D = 1 + d0 dx + d1 dy.
 struct SplatFootprint {
-  float x, y;            ///< of the centre [pixels]
-  float a0, a1, b0, b1;  ///< [1/pixels]
-  float d0, d1;          ///< [1/pixels]; 0 for a perspective that is linearised
+  float x, y;            ///< film position of the centre [pixels]
+  float a0, a1, b0, b1;  ///< coefficients of A and B [1/pixels]
+  float d0, d1;          ///< gradient of D [1/pixels]; 0 for a linearised perspective
   float weight;          ///< opacity at the centre, or the weight of an interpolating footprint
   float min_exponent;    ///< the footprint ends where the exponent is smaller
   float color[3];
-  float distance;  ///< of the centre from the camera [length]
+  float distance;  ///< distance of the centre from the camera [length]
   float range;     ///< points up to this distance behind belong to the same surface [length]
   float reach_y;   ///< the footprint lies within y - reach_y and y + reach_y [pixels]
 };
@@ -59,13 +59,13 @@ public:
   std::span<const SplatFootprint> footprints() const { return footprints_; }
   const SplatConventions& conventions() const { return conventions_; }
   std::size_t entry_count() const { return entries_.size(); }
-  /// Number of splats whose projection has no area, as without dilation.
+  /// Number of splats whose projection has no area, which occurs without dilation.
   std::size_t without_area() const { return without_area_; }
 
 private:
   struct Found;
   struct TileRange {
-    int x0, y0, x1, y1;  ///< the last tiles are included
+    int x0, y0, x1, y1;  ///< first and last tile that the footprint reaches, inclusive
   };
   void project(const SplatMedium& medium, const SplatSettings& settings, const PinholeView& view,
                std::vector<Found>& parts);
@@ -73,7 +73,7 @@ private:
 
   SplatConventions conventions_;
   FilmPart part_;
-  int left_, top_, columns_, rows_;  ///< of the tiles: corner [pixels], count
+  int left_, top_, columns_, rows_;  ///< grid of tiles: top left corner [pixels], numbers of columns and rows
   UnfilledVector<SplatFootprint> footprints_;
   UnfilledVector<std::uint32_t> entries_;
   std::vector<std::size_t> first_;

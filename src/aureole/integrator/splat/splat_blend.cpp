@@ -44,14 +44,14 @@ struct LaneState {
   FloatLanes x, y, limit;
   FloatLanes red{}, green{}, blue{};
   FloatLanes transmittance = all_lanes(1), distance = all_lanes(kInfinity);
-  FloatLanes sum{};  ///< of weights
+  FloatLanes sum{};  ///< sum of weights
   IntLanes active;
   float low_y, high_y;
 };
 
 enum class BlendKind { perspective, tangential, interpolated, flat, point };
 
-/// The exponent of a footprint, and the lanes within it.
+/// The exponent of a footprint at each lane, and a mask of the lanes within its reach.
 template <BlendKind kKind>
 IntLanes exponent(const SplatFootprint& f, const LaneState& s, FloatLanes& power) {
   const FloatLanes dx = s.x - f.x, dy = s.y - f.y;
@@ -148,7 +148,7 @@ void blend_splats(const ProjectedSplats& splats, const SplatSettings& settings,
   bool done[kSplatLanes] = {};
   for (int first = 0; first < count; ++first) {
     if (done[first]) continue;
-    // Up to eight samples of one tile are followed together.
+    // Up to eight samples of one tile are blended together.
     int n = 0;
     for (int i = first; i < count && n < kLaneCount; ++i)
       if (!done[i] && tiles[i] == tiles[first]) done[i] = true, lanes[n++] = i;

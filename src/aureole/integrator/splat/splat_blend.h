@@ -11,17 +11,20 @@ namespace aureole {
 /// A position of the film, with the colour of the splats there.
 struct SplatSample {
   Vec2 film;
-  float limit = kInfinity;  ///< distance from the camera behind which nothing is seen
+  float limit = kInfinity;  ///< distance from the camera behind which splats are hidden
 
-  float color[3] = {0, 0, 0};  ///< of all splats, weighted by opacity, in the colours that are blended
-  float transmittance = 1;     ///< the part of the light from behind that passes
-  float distance = kInfinity;  ///< of the splat that first leaves half of it or less; infinity: none
+  float color[3] = {
+      0, 0, 0};  ///< sum of the colours of all splats, weighted by opacity, in the colour space of blending
+  float transmittance = 1;  ///< transmittance for the light from behind
+  /// distance of the first splat behind which half of the light or less is left; infinity: none
+  float distance = kInfinity;
 };
 
 /// Upper bound of the number of samples of one call.
 inline constexpr int kSplatLanes = 16;
 
-/// Finds colour, transmittance and distance of at most kSplatLanes samples; the result of one does not depend on the others.
+/// Computes colour, transmittance and distance of at most kSplatLanes samples. The result of a sample does
+/// not depend on the others.
 void blend_splats(const ProjectedSplats& splats, const SplatSettings& settings,
                   std::span<SplatSample> samples);
 

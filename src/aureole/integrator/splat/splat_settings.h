@@ -15,34 +15,35 @@ struct SplatSettings {
   /// How a splat covers the picture: `blended` with opacities in the order of depth, as 3D Gaussian splatting; the others
   /// interpolate the points of the first surface.
   enum class Footprint { blended, point, disc, gaussian, ewa };
-  /// Which interpolated colour: `weights`, the sum divided by that of the footprints; `none`, the sum.
+  /// Scale of the interpolated colour: `weights` divides the sum by the sum of the footprints; `none` leaves
+  /// the sum.
   enum class Normalization { weights, none };
   enum class Compensation { file, on, off };
 
   Footprint footprint;
   Normalization normalization;
-  std::optional<SplatHints::Sorting> sorting;  ///< empty: that of the file
+  std::optional<SplatHints::Sorting> sorting;  ///< order of splats; empty: as the file states
   std::optional<SplatHints::Projection> projection;
   std::optional<SplatHints::Colors> colors;
   Compensation compensation;
   float dilation;  ///< variance that the projection of a splat gains [pixels^2]
-  float
-      cutoff;  ///< Mahalanobis distance at which a footprint ends; 0: that of the file, else 10/3, or 1 for points
+  /// Mahalanobis distance at which a footprint ends; 0: that of the file, else 10/3, or 1 for points
+  float cutoff;
   float opacity_cap;    ///< largest opacity of a splat at a pixel
   float opacity_limit;  ///< smaller opacities are left out
-  float termination;    ///< transmittance at which a ray ends
+  float termination;    ///< transmittance below which a ray ends
   float near;           ///< depth before which splats are left out [length]
-  float
-      jacobian_limit;  ///< tangents beyond the picture's border, as its multiple, at which the linearisation is held
+  /// tangents beyond the picture's border, as its multiple, at which the linearisation is held
+  float jacobian_limit;
   float depth_range;  ///< points this far behind the first one belong to its surface, in its radii
   bool at_pixel_center;
-  std::optional<Vec3> background;  ///< in the colours that are blended
+  std::optional<Vec3> background;  ///< background, in the colour space of blending
 
   bool blends() const { return footprint == Footprint::blended; }
   /// A hash of all settings.
   std::uint64_t key() const;
 
-  /// Throws located Errors.
+  /// Reads the parameters of the integrator. Throws located Errors.
   static SplatSettings read(const Properties& properties);
   static std::vector<ParameterDoc> rows();
 };

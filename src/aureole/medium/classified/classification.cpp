@@ -28,7 +28,7 @@ constexpr LabelledParameter kLabelled[] = {
     {"boxes", kOpacities},   {"triangles", kOpacities},  {"colors", kColors},
     {"color_map", kColors},  {"range", kColors},         {"gradient_opacity", kGradients}};
 constexpr std::size_t kLabelledCount = std::size(kLabelled);
-/// Parameters that hold for all classes, of which `table` is a function for those without one of their own.
+/// Parameters that hold for all classes. `table` is the function of classes without one of their own.
 constexpr const char* kCommon[] = {"opacity_unit_length", "color_encoding", "table", "table_values",
                                    "table_gradients"};
 
@@ -112,7 +112,7 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Reads values and factors as a function whose extinction is the factor.
+/// Reads pairs of gradient and factor as a transfer function whose extinction is the factor.
 std::optional<TransferFunction> read_gradient_factor(const Properties& p) {
   if (!p.has("gradient_opacity")) return {};
   const TransferFunction::Curve curve =
@@ -160,30 +160,31 @@ void Classification::read_classes(const Properties& p) {
   std::vector<LabelledText> parts[kLabelledCount];
   for (std::size_t k = 0; k < kLabelledCount; ++k)
     if (p.has(kLabelled[k].name)) parts[k] = parse_parts(p, kLabelled[k].name);
-  /// The part of each parameter that holds for a class; -1: none.
+  /// For each parameter, the index of the labelled part that holds for a class; -1: none.
   using Choice = std::array<int, kLabelledCount>;
-  const auto chosen = [&](int label) {  // -1: labels that no part names
-    Choice choice;
-    bool is_named[3] = {false, false, false};
-    for (std::size_t k = 0; k < kLabelledCount; ++k) {
-      choice[k] = -1;
-      for (std::size_t i = 0; i < parts[k].size(); ++i)
-        if (parts[k][i].names(label)) choice[k] = int(i), is_named[kLabelled[k].group] = true;
-    }
-    const auto plane_is_named = [&] {
-      for (std::size_t k = 0; k < kLabelledCount; ++k)
-        if (choice[k] >= 0 && (kLabelled[k].name == std::string_view("boxes") ||
-                               kLabelled[k].name == std::string_view("triangles")))
-          return true;
-      return false;
-    };
-    // A function of value and gradient has colours of its own.
-    if (plane_is_named()) is_named[kColors] = is_named[kGradients] = true;
-    for (std::size_t k = 0; k < kLabelledCount; ++k)
-      for (std::size_t i = 0; i < parts[k].size() && !is_named[kLabelled[k].group]; ++i)
-        if (parts[k][i].labels.empty()) choice[k] = int(i);
-    return choice;
-  };
+  const auto chosen =
+      [&](int label) {  // Returns the class of a label; -1 stands for labels that no part names.
+        Choice choice;
+        bool is_named[3] = {false, false, false};
+        for (std::size_t k = 0; k < kLabelledCount; ++k) {
+          choice[k] = -1;
+          for (std::size_t i = 0; i < parts[k].size(); ++i)
+            if (parts[k][i].names(label)) choice[k] = int(i), is_named[kLabelled[k].group] = true;
+        }
+        const auto plane_is_named = [&] {
+          for (std::size_t k = 0; k < kLabelledCount; ++k)
+            if (choice[k] >= 0 && (kLabelled[k].name == std::string_view("boxes") ||
+                                   kLabelled[k].name == std::string_view("triangles")))
+              return true;
+          return false;
+        };
+        // A function of value and gradient includes its colours.
+        if (plane_is_named()) is_named[kColors] = is_named[kGradients] = true;
+        for (std::size_t k = 0; k < kLabelledCount; ++k)
+          for (std::size_t i = 0; i < parts[k].size() && !is_named[kLabelled[k].group]; ++i)
+            if (parts[k][i].labels.empty()) choice[k] = int(i);
+        return choice;
+      };
   std::map<Choice, std::uint8_t> class_of_choice;
   const auto class_of = [&](const Choice& choice, const std::string& label) {
     if (const auto known = class_of_choice.find(choice); known != class_of_choice.end()) return known->second;
@@ -192,7 +193,7 @@ void Classification::read_classes(const Properties& p) {
       if (choice[k] >= 0 && kLabelled[k].group == kOpacities)
         has_opacities = true, has_own |= !parts[k][std::size_t(choice[k])].labels.empty();
     if (!has_opacities && !p.has("table")) {
-      // Colours alone are no function.
+      // A class with colours alone has no transfer function.
       class_of_choice[choice] = kTransparent;
       return kTransparent;
     }
@@ -254,7 +255,7 @@ void Classification::weigh(const Class& c, const Vec3& p, Sample& s) const {
   if (factor >= 1) return;
   if (c.gives_extinction)
     s.extinction *= factor;
-  else  // the factor of the opacity of a layer of unit thickness
+  else  // Factor of the opacity of a layer of unit thickness.
     s.extinction = std::min(s.extinction, -std::log1p(factor * std::expm1(-s.extinction * unit_)) / unit_);
 }
 

@@ -23,7 +23,7 @@ public:
   Classification(const Properties& properties, const ScalarField& field);
   static std::vector<ParameterDoc> rows();
 
-  /// Extinction and colour at a point where the volume has the number `value`.
+  /// Extinction and colour at a point where the volume has the value `value`.
   Sample at(const Vec3& p, float value) const {
     const Class* c = class_at(p);
     if (!c) return {};
@@ -32,8 +32,8 @@ public:
     if (c->gradient_factor && s.extinction > 0) weigh(*c, p, s);
     return s;
   }
-  /// Extinction and colour of a short segment with the middle `p` and these numbers at its ends: the mean of a function of
-  /// the number, or a function of two numbers in the middle.
+  /// Mean extinction and colour of a short segment with the midpoint `p` and the volume's values `from` and
+  /// `to` at its ends. A function of value and gradient is evaluated at the midpoint.
   Sample mean(const Vec3& p, float from, float to) const {
     const Class* c = class_at(p);
     if (!c) return {};
@@ -42,33 +42,34 @@ public:
     if (c->gradient_factor && s.extinction > 0) weigh(*c, p, s);
     return s;
   }
-  /// The function if there is one that depends on the number alone, for loops along a ray; else null.
+  /// The transfer function if there is one that depends on the value alone, for loops along a ray; else null.
   const TransferFunction* only_function() const {
     return !labels_ && classes_[0].function && !classes_[0].gradient_factor ? &*classes_[0].function
                                                                             : nullptr;
   }
-  /// Extinction and colour of a surface of the number `value` at a point, without the gradient. There must be no function
-  /// of two numbers.
+  /// Extinction and colour of an isosurface of the value `value` at a point, without the gradient. There must
+  /// be no function of value and gradient.
   Sample surface(const Vec3& p, float value) const {
     const Class* c = class_at(p);
     return c ? c->function->at(value) : Sample{};
   }
 
-  /// The parameter that states a function of value and gradient; null if none does.
+  /// Name of the parameter that states a function of value and gradient; null if there is none.
   const char* plane_parameter() const { return plane_parameter_; }
   /// The parameter that states the opacities.
   const char* parameter() const { return parameter_; }
   bool has_mask() const { return labels_.has_value(); }
-  /// Upper bound of the extinction over all classes where the number lies between `low` and `high`.
+  /// Upper bound of the extinction over all classes where the value lies between `low` and `high`.
   float max_extinction(float low, float high) const;
   /// Upper bounds of the extinction in equal cells of the field's box, x fastest.
   std::vector<float> bounds(const std::array<int, 3>& cells) const;
 
 private:
-  /// A function of the number, or one of the number and its gradient.
+  /// The transfer function of a class, of the value alone or of the value and its gradient.
   struct Class {
     std::optional<TransferFunction> function;
-    std::optional<TransferFunction> gradient_factor;  ///< its extinction is a factor of opacity or extinction
+    std::optional<TransferFunction>
+        gradient_factor;  ///< transfer function whose extinction is a factor of opacity or extinction
     std::optional<TransferPlane> plane;
     bool gives_extinction = false;
 
@@ -89,7 +90,7 @@ private:
   void weigh(const Class& c, const Vec3& p, Sample& s) const;
 
   const ScalarField& field_;
-  float unit_;  ///< length of the layer whose opacity is given
+  float unit_;  ///< thickness of the layer whose opacity is given
   const char* parameter_ = "opacity";
   const char* plane_parameter_ = nullptr;
   std::vector<Class> classes_;

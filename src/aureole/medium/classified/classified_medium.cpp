@@ -107,7 +107,8 @@ bool ClassifiedMedium::contains(const Vec3& p) const {
 }
 
 void ClassifiedMedium::clip(const Ray& ray, float& begin, float& end) const {
-  const auto keep = [&](float at_origin, float slope) {  // where at_origin + t slope >= 0
+  const auto keep = [&](float at_origin,
+                        float slope) {  // Keeps the distances t with at_origin + t slope >= 0.
     const float t = -at_origin / slope;
     if (slope > 0)
       begin = std::max(begin, t);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ClassifiedMedium`: the medium that a transfer function makes of a volume of numbers. `dvr` composites it step by
-// step; the other integrators follow light in it as in any medium.
+// `ClassifiedMedium`: the medium that a transfer function makes of a scalar volume. `dvr` composites it step
+// by step; the other integrators follow light in it as in any medium.
 #pragma once
 
 #include <cmath>
@@ -35,14 +35,14 @@ public:
   /// Shortens the interval [begin, end] of distances along a ray to its part within the box and all clip planes. The
   /// interval is empty, end <= begin, where there is none.
   void clip(const Ray& ray, float& begin, float& end) const;
-  /// Extinction and colour at a point inside, where the volume has the number `value`.
+  /// Extinction and colour at a point inside, where the volume has the value `value`.
   TransferFunction::Sample classify(const Vec3& p, float value) const { return classification_.at(p, value); }
-  /// Extinction and colour of a short segment with the middle `p` and these numbers at its ends.
+  /// Extinction and colour of a short segment with the midpoint `p` and these values at its ends.
   TransferFunction::Sample classify(const Vec3& p, float from, float to) const {
     return classification_.mean(p, from, to);
   }
 
-  /// Whether the colour is that of emitted light; else it is the single-scattering albedo.
+  /// Whether the colour is the colour of emitted light; else it is the single-scattering albedo.
   bool color_emits() const { return color_emits_; }
   /// Opacity of a layer of the thickness `unit()` and this extinction.
   float layer_opacity(float extinction) const { return -std::expm1(-extinction * unit_); }
@@ -58,11 +58,11 @@ public:
 private:
   struct Plane {
     Vec3 n;
-    float d;  ///< points p with dot(n, p) >= d are kept
+    float d;  ///< offset of the clip plane: points p with dot(n, p) >= d are kept
   };
   ScalarField field_;
   Classification classification_;
-  float unit_ = 1;  ///< length of the layer whose opacity is given
+  float unit_ = 1;  ///< thickness of the layer whose opacity is given
   std::vector<Plane> planes_;
   bool color_emits_;
   float emission_scale_ = 1, sampling_weight_ = 1;

@@ -34,7 +34,7 @@ LabelField::LabelField(const Properties& p, const char* name, std::vector<std::u
     : field_(read_labels(p, name)), class_of_(std::move(class_of)), counts_(std::size_t(kMaxLabel) + 1) {
   const std::array<int, 3>& size = field_.size();
   std::mutex mutex;
-  std::array<int, 3> first{size[2], 0, 0};  // z, y, x of the first number that is no label
+  std::array<int, 3> first{size[2], 0, 0};  // index (z, y, x) of the first value that is no label
   float bad = 0;
   for_ranges(
       std::size_t(size[2]),

@@ -24,7 +24,7 @@ public:
   /// class of each label. Throws located Errors.
   LabelField(const Properties& properties, const char* name, std::vector<std::uint8_t> class_of);
 
-  /// The class of the label in the voxel that holds a point in the world; outside of the mask that of the label 0.
+  /// The class of the voxel that holds a point in world space; outside of the mask the class of the label 0.
   std::uint8_t class_at(const Vec3& p) const {
     const Vec3 i = field_.index_of(p);
     int at[3];
@@ -38,7 +38,7 @@ public:
   }
   /// The classes in the part of the box [0, 1]^3 of `to_box` between two corners.
   Classes classes_in(const Transform& from_box, const Vec3& lower, const Vec3& upper) const;
-  /// How many voxels have each label.
+  /// Number of voxels with each label.
   const std::vector<std::size_t>& counts() const { return counts_; }
 
 private:

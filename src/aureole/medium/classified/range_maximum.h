@@ -30,7 +30,8 @@ public:
   }
 
 private:
-  std::vector<std::vector<float>> levels_;  ///< at level k the maxima of 2^k numbers from each index on
+  std::vector<std::vector<float>>
+      levels_;  ///< level k holds, for each index, the maximum of the 2^k numbers from there on
 };
 
 }  // namespace aureole

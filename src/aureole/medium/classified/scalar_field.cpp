@@ -68,7 +68,7 @@ void ScalarField::take(const std::shared_ptr<const ScalarGrid>& grid) {
     stored_ = grid;
     return;
   }
-  // Numbers of other types become float32; those of the other order of bytes keep their type.
+  // Values of other types become float32; values of the other byte order keep their type.
   const bool is_converted = !is_kept || grid->type == ScalarType::float32;
   type_ = is_converted ? ScalarType::float32 : grid->type;
   if (!is_converted) slope_ = grid->slope, intercept_ = grid->intercept, is_scaled_ = is_scaled;
@@ -133,7 +133,8 @@ void ScalarField::find_ranges(const std::array<int, 3>& cells,
   for_ranges(
       std::size_t(cells[1]) * std::size_t(cells[2]),
       [&](std::size_t begin, std::size_t end) {
-        // The extremes over the rows of the voxels that a row of cells uses, which the compiler makes vectors of.
+        // Minima and maxima over the rows of voxels that a row of cells uses, in a form that the compiler
+        // vectorises.
         std::vector<T> low(nx), high(nx);
         for (std::size_t i = begin; i < end; ++i) {
           const auto sy = span(int(i % std::size_t(cells[1])), 1),
@@ -151,7 +152,7 @@ void ScalarField::find_ranges(const std::array<int, 3>& cells,
                 }
               };
               if (stride_[0] == 1)
-                add(sizeof(T));  // a constant step, for vectors
+                add(sizeof(T));  // A constant step lets the compiler vectorise the loop.
               else
                 add(stride_[0] * std::ptrdiff_t(sizeof(T)));
             }

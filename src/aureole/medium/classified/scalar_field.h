@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ScalarField`: the numbers of a volume on a regular grid, for programs of many lookups along a ray. They stay in the type
-// of their file, and in the mapped file itself where that is neither compressed nor of the other order of bytes.
+// `ScalarField`: the values of a volume on a regular grid, for programs of many lookups along a ray. They
+// keep the type of their file, and stay in the mapped file itself where that is neither compressed nor of the
+// other byte order.
 #pragma once
 
 #include <array>
@@ -29,12 +30,12 @@ public:
   const std::array<int, 3>& size() const { return size_; }
   /// Smallest distance of two neighbouring centres in the world.
   float spacing() const { return spacing_; }
-  /// How many numbers are not finite; smallest and largest number are those of the others.
+  /// Number of values that are not finite; the smallest and the largest value are taken over the others.
   std::size_t broken() const { return broken_; }
   float minimum() const { return minimum_; }
   float maximum() const { return maximum_; }
   ScalarType type() const { return type_; }
-  /// Memory for numbers that are not in a mapped file or shared with the volume.
+  /// Bytes of memory for values that are neither in a mapped file nor shared with the volume.
   std::size_t own_bytes() const { return own_.size(); }
 
   /// Coordinates of a point in the world, in units of voxels: the centre of the first voxel is at 0.
@@ -49,7 +50,7 @@ public:
             rows_[1][0] * d.x + rows_[1][1] * d.y + rows_[1][2] * d.z,
             rows_[2][0] * d.x + rows_[2][1] * d.y + rows_[2][2] * d.z};
   }
-  /// The point in the world that has these coordinates.
+  /// The point in world space with these voxel coordinates.
   Vec3 point_of_index(const Vec3& i) const { return from_index_.point(i); }
 
   float value_at_index(const Vec3& i) const {
@@ -76,7 +77,7 @@ public:
   public:
     Line(const ScalarField& field, const Ray& ray)
         : field_(field), o_(field.index_of(ray.o)), d_(field.index_vector(ray.d)) {}
-    /// The number at a distance from the ray's origin.
+    /// The field's value at a distance from the ray's origin.
     float operator()(float distance) const {
       std::ptrdiff_t at;
       float t[3];
@@ -90,7 +91,7 @@ public:
 
   private:
     const ScalarField& field_;
-    Vec3 o_, d_;  ///< in units of voxels
+    Vec3 o_, d_;  ///< origin and direction of the ray in units of voxels
   };
   /// Returns f(line) with the `Line` of a ray, for loops that are compiled for each type.
   template <class F>
@@ -109,7 +110,7 @@ private:
   void locate(const Vec3& i, std::ptrdiff_t& at, float t[3]) const {
     at = 0;
     for (int k = 0; k < 3; ++k) {
-      // A NaN becomes 0.
+      // A NaN coordinate becomes 0.
       const float last = float(padded_[std::size_t(k)] - 2);
       const float c = i[k] > 0 ? (i[k] < last + 1 ? i[k] : last + 1) : 0.f;
       const int cell = c < last ? int(c) : padded_[std::size_t(k)] - 2;
@@ -117,7 +118,7 @@ private:
       at += cell * stride_[k];
     }
   }
-  /// The stored number at an offset, in numbers; it need not be aligned.
+  /// The stored value at an offset, counted in values; it need not be aligned.
   template <class T>
   float loaded(std::ptrdiff_t at) const {
     T number;
@@ -162,11 +163,13 @@ private:
   Transform to_box_, from_index_;
   std::array<int, 3> size_;
   std::array<int, 3> padded_;  ///< as `size_`, but at least two: a single layer is read twice
-  std::ptrdiff_t stride_[3];   ///< in numbers; 0 along an axis of one layer
+  /// distance between neighbours along each axis, counted in values; 0 along an axis of one layer
+  std::ptrdiff_t stride_[3];
   float rows_[3][4];
   float spacing_ = 0, minimum_ = 0, maximum_ = 0;
   std::size_t broken_ = 0;
-  ScalarType type_ = ScalarType::float32;  ///< float32, or an integer of at most two bytes
+  /// type of the stored values: float32, or an integer of at most two bytes
+  ScalarType type_ = ScalarType::float32;
   const std::byte* numbers_ = nullptr;
   bool is_scaled_ = false;
   double slope_ = 1, intercept_ = 0;  ///< value = slope * stored number + intercept

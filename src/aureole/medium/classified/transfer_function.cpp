@@ -20,10 +20,11 @@ namespace {
 using Curve = TransferFunction::Curve;
 
 constexpr double kMaxOpacity = TransferFunction::kMaxOpacity;
-/// A curve that is not linear between two points is divided into so many linear pieces.
+/// Number of linear pieces that replace a curve between two points where it is not linear.
 constexpr int kPieces = 32;
 
-/// The numbers of a curve at a value; at a jump those of larger values, or those of smaller ones with `from_below`.
+/// Components of a curve at a value. At a jump they are those of larger values, or with `from_below` of
+/// smaller ones.
 std::array<double, 3> at_value(const Curve& curve, double value, bool from_below) {
   const auto& v = curve.values;
   const auto next =
@@ -167,7 +168,7 @@ TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) 
   }
   for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
     const float width = nodes_[i + 1].value - nodes_[i].value;
-    // An interval too narrow for its inverse counts as a jump.
+    // An interval so narrow that its inverse overflows counts as a jump.
     if (const float inverse = 1 / width; width > 0 && inverse < kInfinity) nodes_[i].inverse_width = inverse;
   }
   first_ = nodes_.front().value;
@@ -196,7 +197,7 @@ void TransferFunction::Integral::add(const Sample& from, const Sample& to, doubl
   extinction += width * 0.5 * (a + b);
   const float* const c = &from.color.white;
   const float* const d = &to.color.white;
-  for (std::size_t k = 0; k < 4; ++k)  // the integral of the product of two linear functions
+  for (std::size_t k = 0; k < 4; ++k)  // Integral of the product of two linear functions.
     color[k] += width / 6 * (a * (2 * double(c[k]) + double(d[k])) + b * (double(c[k]) + 2 * double(d[k])));
 }
 
@@ -220,7 +221,7 @@ TransferFunction::Sample TransferFunction::mean(float a, float b) const {
     const float weight = extinction > 0 ? (first.extinction + 2 * last.extinction) / (6 * extinction) : 0.5f;
     return {extinction, mixed(first.color, last.color, weight)};
   }
-  // An interval without extinction, of many along a ray, needs no integrals.
+  // An interval without extinction needs no integrals; many along a ray have none.
   if (first.extinction == 0 && last.extinction == 0 && extinctions_.of(i, j + 1) == 0)
     return {0, first.color};
   const Integral from = integral_to(i, low, first), to = integral_to(j, high, last);

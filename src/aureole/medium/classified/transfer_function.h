@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `TransferFunction`: what a number of a volume looks like, as extinction and colour. Both are piecewise linear in
-// the number, and may jump.
+// `TransferFunction`: maps a value of a volume to extinction and colour. Both are piecewise linear in the
+// value, and may jump.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ struct ColorWeights {
 /// Notes that opacities of the parameter `name` exceed `TransferFunction::kMaxOpacity`.
 void note_limited_opacity(const Properties& properties, const char* name);
 
-/// The spectra that `ColorWeights` weigh, at the wavelengths of one path.
+/// The basis spectra that `ColorWeights` weight, at the wavelengths of one path.
 class ColorBasis {
 public:
   explicit ColorBasis(const Spectrum& nm);
@@ -42,24 +42,26 @@ private:
 class TransferFunction {
 public:
   struct Sample {
-    float extinction = 0;  ///< [1/length]
+    float extinction = 0;  ///< extinction [1/length]
     ColorWeights color;
   };
   /// A point of the curve; two points of one value are a jump.
   struct Node : Sample {
     float value = 0;
-    float inverse_width = 0;  ///< of the interval to the next node; 0 for a jump
+    float inverse_width = 0;  ///< inverse width of the interval to the next node; 0 for a jump
   };
 
   /// A curve of at least one number by value: pairs in ascending order of the first, of which two may be equal.
   struct Curve {
     std::vector<double> values;
-    std::vector<std::array<double, 3>> numbers;  ///< of one number the first is used
+    std::vector<std::array<double, 3>>
+        numbers;  ///< components of the curve at each value; of one component the first is used
   };
   /// `extinction` [1/length] and `color` (linear sRGB) by value; they are extended by their first and last number.
   TransferFunction(const Curve& extinction, const Curve& color);
 
-  /// Opacities of a layer above this one count as this one: an opacity of 1 would be an infinite extinction.
+  /// Upper bound of a layer's opacity, to which larger opacities are reduced: an opacity of 1 would be an
+  /// infinite extinction.
   static constexpr double kMaxOpacity = 0.9999;
 
   /// Reads the parameters of `rows`. Throws located Errors.
@@ -70,11 +72,12 @@ public:
                           const char* example);
   static std::vector<ParameterDoc> rows();
 
-  /// The function at a value; at a jump that of larger values.
+  /// Extinction and colour at a value; at a jump they are those of larger values.
   Sample at(float value) const { return at_in(interval(value), value); }
-  /// The mean extinction over the values between `a` and `b`, and the mean colour weighted by the extinction: what a
-  /// short segment holds along which the value changes linearly from `a` to `b` (Engel, Kraus & Ertl 2001, "High-quality
-  /// pre-integrated volume rendering using hardware-accelerated pixel shading", section 3, by integral functions).
+  /// The mean extinction over the values between `a` and `b`, and the mean colour weighted by the extinction:
+  /// for a short segment along which the value changes linearly from `a` to `b` (Engel, Kraus & Ertl 2001,
+  /// "High-quality pre-integrated volume rendering using hardware-accelerated pixel shading", section 3, by
+  /// integral functions).
   Sample mean(float a, float b) const;
   /// Upper bound of the extinction over the values from `low` to `high`.
   float max_extinction(float low, float high) const;
@@ -96,12 +99,12 @@ private:
   }
   struct Integral {
     double extinction = 0;
-    std::array<double, 4> color{};  ///< of extinction times colour
+    std::array<double, 4> color{};  ///< integral of extinction times colour
 
     /// Adds the integral over an interval along which extinction and colour are linear.
     void add(const Sample& from, const Sample& to, double width);
   };
-  /// The function at a value whose `interval` is i.
+  /// Extinction and colour at a value whose `interval` is i.
   Sample at_in(std::size_t i, float value) const {
     const Node &a = nodes_[i], &b = nodes_[i + 1];
     const float t =
@@ -112,9 +115,9 @@ private:
   Integral integral_to(std::size_t i, float value, const Sample& end) const;
 
   static constexpr std::size_t kBuckets = 1024;
-  std::vector<Node> nodes_;          ///< at least two
-  std::vector<Integral> integrals_;  ///< from the first node to each node
-  RangeMaximum extinctions_;         ///< of the nodes
+  std::vector<Node> nodes_;          ///< at least two nodes in ascending order of value
+  std::vector<Integral> integrals_;  ///< integral from the first node to each node
+  RangeMaximum extinctions_;         ///< extinctions of the nodes
   std::vector<std::uint32_t> starts_;
   float first_ = 0, scale_ = 0, max_extinction_ = 0;
 };

@@ -64,7 +64,7 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
 
 void GivenMedium::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
   if (grid_ && grid_->at(p) == 0) {
-    // Volumes may have values outside of their box, but the medium is empty there.
+    // The medium is empty outside of its volumes' box, although volumes may have values there.
     out = {};
     return;
   }

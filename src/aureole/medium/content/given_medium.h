@@ -30,10 +30,11 @@ public:
   float sampling_weight() const final { return sampling_weight_; }
 
 private:
-  VolumePtr extinction_, albedo_;      ///< null if sigma_a and sigma_s are given
-  VolumePtr absorption_, scattering_;  ///< constant in space; null if sigma_t and albedo are given
-  VolumePtr emission_;                 ///< null: no given emission
-  VolumePtr temperature_;              ///< [K]; null: no thermal emission
+  VolumePtr extinction_, albedo_;  ///< volumes of sigma_t and albedo; null if sigma_a and sigma_s are given
+  /// constant absorption and scattering coefficients; null if sigma_t and albedo are given
+  VolumePtr absorption_, scattering_;
+  VolumePtr emission_;     ///< volume of emitted radiance; null: no given emission
+  VolumePtr temperature_;  ///< temperature [K]; null: no thermal emission
   float scale_ = 1, index2_ = 1, sampling_weight_ = 1;
   PhaseFunctionPtr phase_;
   std::optional<MajorantGrid> grid_;

@@ -23,9 +23,10 @@ namespace {
 /// The coefficients of a mixture [1/length] and its phase function.
 struct MixtureTables {
   SampledSpectrum extinction, scattering;
-  std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default phase function
-  /// Estimated error of the absorption by particles, relative to it or to 1e-4 of the extinction, if that is
-  /// more: the largest over the wavelengths.
+  std::shared_ptr<const TabulatedPhase>
+      phase;  ///< phase function of the mixture; null: the default phase function
+  /// Largest estimated error over the wavelengths of the absorption by particles, relative to that absorption
+  /// or to 1e-4 of the extinction, whichever is larger.
   double absorption_error = 0;
 };
 
@@ -122,7 +123,7 @@ ParameterDoc Mixture::density_row() {
 
 void Mixture::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
   if (grid_ && grid_->at(p) == 0) {
-    out = {};  // outside of the density's box
+    out = {};  // outside of the density's box the medium is empty
     return;
   }
   out.sigma_t = extinction_.eval(w);
@@ -141,7 +142,8 @@ Spectrum Mixture::majorant(const Vec3&, const Wavelengths& w) const {
 optics::ClearMedium read_clear_medium(const Properties& p, std::string_view name) {
   const Properties::Entry* e = p.find(name);
   const auto* material = e ? std::get_if<std::string>(&e->value) : nullptr;
-  // The index is read in any case, so that a scene may state "dispersion" for a host that does not need it.
+  // The parameters of the index are read in any case, so that a scene may state "dispersion" for a host that
+  // does not need it.
   const Ior ior = material && *material == "vacuum" ? Ior() : Ior::from(p, name, "water");
   if (!e || (material && *material == "water")) return optics::water();
   if (material && *material == "air") return optics::air();

@@ -32,9 +32,9 @@ public:
 
 private:
   std::shared_ptr<const void> tables_;       ///< keeps the tables alive, so that equal mixtures share them
-  SampledSpectrum extinction_, scattering_;  ///< [1/length]
+  SampledSpectrum extinction_, scattering_;  ///< coefficients at density 1 [1/length]
   PhaseFunctionPtr phase_;
-  VolumePtr density_;  ///< null: density 1 everywhere
+  VolumePtr density_;  ///< factor of the coefficients; null: density 1 everywhere
   std::optional<MajorantGrid> grid_;
 };
 

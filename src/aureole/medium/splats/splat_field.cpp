@@ -37,9 +37,10 @@ bool keeps_angles(const Transform& t) {
   return true;
 }
 
-/// Opacities this close to 1 would need an infinite extinction.
+/// Largest opacity of a splat: opacities closer to 1 would need an infinite extinction.
 constexpr double kMaxSplatOpacity = 0.9999;
-/// A splat that is thinner than this part of its longest scale is thickened, else its extinction would be infinite.
+/// Smallest ratio of a splat's thickness to its longest scale; thinner splats are thickened, since their
+/// extinction would be infinite.
 constexpr double kThinnest = 0.01;
 
 }  // namespace
@@ -124,8 +125,9 @@ SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const
 }
 
 void SplatField::make_cells() {
-  // Some 32 cells a splat, as cubes: splats of surfaces are thin, and bounds of large cells would be far above the extinction. Fewer
-  // where splats are so large that cells would list too many of them.
+  // The grid has some 32 cubic cells for each splat: splats of surfaces are thin, and bounds of large cells
+  // would be far above the extinction. Fewer where splats are so large that cells would list too many of
+  // them.
   const Vec3 size = max(bounds_.diagonal(), Vec3{1, 1, 1} * (1e-6f * max_component(bounds_.diagonal())));
   double wanted = std::clamp(32. * double(splats_.size()), 4096., double(1 << 24));
   constexpr double kMaxEntries = double(1 << 27);

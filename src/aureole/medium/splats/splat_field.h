@@ -13,7 +13,7 @@ namespace aureole {
 
 class SplatField {
 public:
-  /// The direction through the centre of a splat along which it has its opacity.
+  /// The direction through the centre of a splat along which its thickness gives the stated opacity.
   enum class OpacityAlong { shortest, mean };
   struct Options {
     OpacityAlong along = OpacityAlong::shortest;
@@ -21,7 +21,7 @@ public:
     float extinction_scale = 1;
   };
 
-  /// A Gaussian of the world: its extinction at p is peak exp(-|whiten (p - center)|^2 / 2) [1/length].
+  /// A Gaussian in world space: its extinction at p is peak exp(-|whiten (p - center)|^2 / 2) [1/length].
   struct Splat {
     Vec3 center;
     Vec3 whiten[3];  ///< rows of the matrix that turns the ellipsoid into the unit sphere
@@ -39,14 +39,15 @@ public:
     ColorWeights color;
   };
   Sample at(const Vec3& p) const;
-  /// The optical thickness along a ray of unit direction up to the distance t_max, in closed form: splats that overlap
-  /// add, whatever their order.
+  /// The optical thickness along a ray of unit direction up to the distance t_max, in closed form: the
+  /// optical thicknesses of overlapping splats are summed, whatever their order.
   double optical_thickness(const Ray& ray, float t_max) const;
 
   /// Upper bounds of the extinction.
   const MajorantGrid& grid() const { return *grid_; }
   const std::vector<Splat>& splats() const { return splats_; }
-  /// Number of splats whose shortest scale was raised to 1/100 of the longest, and of those without any extent.
+  /// Number of splats whose shortest scale was raised to 1/100 of the longest, and number of splats without
+  /// any extent.
   std::size_t thickened() const { return thickened_; }
   std::size_t without_extent() const { return without_extent_; }
 
@@ -56,12 +57,12 @@ private:
 
   Options options_;
   std::vector<Splat> splats_;
-  std::vector<Bounds3> boxes_;  ///< of the splats; empty once the cells are made
-  std::vector<float> longest_;  ///< axis of each splat [length]; empty once the cells are made
+  std::vector<Bounds3> boxes_;  ///< bounding boxes of the splats; empty once the cells are made
+  std::vector<float> longest_;  ///< longest semi-axis of each splat [length]; empty once the cells are made
   std::size_t thickened_ = 0, without_extent_ = 0;
   Bounds3 bounds_;
   std::array<int, 3> cells_{1, 1, 1};
-  Vec3 per_length_;                   ///< cells per length along each axis
+  Vec3 per_length_;                   ///< number of cells per length along each axis
   std::vector<std::uint64_t> first_;  ///< index of each cell's first entry
   std::vector<std::uint32_t> entries_;
   std::optional<MajorantGrid> grid_;

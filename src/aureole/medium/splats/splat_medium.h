@@ -32,7 +32,7 @@ public:
   float sampling_weight() const override { return sampling_weight_; }
 
   const SplatCloud& cloud() const { return *cloud_; }
-  /// From the axes of the cloud to the world.
+  /// Transform from the axes of the cloud to the world.
   const Transform& to_world() const { return to_world_; }
   float emission_scale() const { return emission_scale_; }
   /// The splats as a field of extinction, made when it is first needed.

@@ -87,7 +87,7 @@ template <class T>
 using Plan = std::unique_ptr<std::remove_pointer_t<T>, FreePlan>;
 
 struct Box {
-  int x0, y0, x1, y1;  ///< x1 and y1 are excluded
+  int x0, y0, x1, y1;  ///< rectangle of pixels; x1 and y1 are excluded
 };
 
 Box open_part(const Mask& m) {
@@ -164,7 +164,7 @@ void MaskAperture::make_spectrum(const Mask& mask) {
   stride_ = half + 2 * kPad;
   spectrum_.assign(std::size_t(rows_) * stride_, 0);
 
-  // FFTs of the image's rows (in the spectrum y points upwards), then of all columns.
+  // FFTs of the image's rows (in the transform y points upwards), then of all columns.
   const Plan<kiss_fftr_cfg> row_plan(kiss_fftr_alloc(columns_, 0, nullptr, nullptr));
   const Plan<kiss_fft_cfg> column_plan(kiss_fft_alloc(rows_, 0, nullptr, nullptr));
   if (!row_plan || !column_plan) throw std::bad_alloc();

@@ -15,7 +15,7 @@ namespace aureole::optics {
 /// Transmittances of the pixels, row by row from the top (largest y).
 struct Mask {
   int width = 0, height = 0;
-  std::vector<float> open;  ///< in [0, 1]
+  std::vector<float> open;  ///< transmittances in [0, 1]
 
   float& at(int x, int y) { return open[std::size_t(y) * width + x]; }
   float at(int x, int y) const { return open[std::size_t(y) * width + x]; }
@@ -42,10 +42,11 @@ private:
   void make_spectrum(const Mask& mask);
 
   double pitch_, area_ = 0, squared_area_ = 0, bounding_radius_ = 0;
-  double x_ = 0, y_ = 0;        ///< the pixel that is the origin of `spectrum_`
+  double x_ = 0, y_ = 0;        ///< pixel coordinates of the origin of `spectrum_`
   int columns_ = 0, rows_ = 0;  ///< size of the FFT
   int stride_ = 0;
-  std::vector<std::complex<float>> spectrum_;  ///< frequencies -kPad to columns/2 + kPad of x, all of y
+  /// transform at the frequencies -kPad to columns/2 + kPad of x, and all frequencies of y
+  std::vector<std::complex<float>> spectrum_;
 };
 
 }  // namespace aureole::optics

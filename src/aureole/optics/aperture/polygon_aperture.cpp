@@ -19,7 +19,7 @@ namespace aureole::optics {
 
 namespace {
 
-/// tan(h)/h for h^2 < 1/64, by its power series.
+/// Power series of tan(h)/h for h^2 < 1/64.
 Lanes tangent_over_argument(const Lanes& h2) {
   Lanes t = h2 * (929569 / 638512875.0) + 21844 / 6081075.0;
   t = t * h2 + 1382 / 155925.0;
@@ -117,7 +117,7 @@ std::complex<double> PolygonAperture::transform(double qx, double qy) const {
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t size = std::min(kBlock, count - begin);
     for (std::size_t i = 0; i < size; i += kLanes) exponentials(begin + i, cosines + i, sines + i);
-    // The end point of the block's last edge.
+    // The last edge of the block also needs its end point.
     if (begin + size < count)
       exponentials(begin + size, cosines + size, sines + size);
     else

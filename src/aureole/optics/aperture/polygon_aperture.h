@@ -21,7 +21,7 @@ public:
   std::complex<double> transform(double qx, double qy) const override;
 
 private:
-  static constexpr int kOrder = 16;  ///< of the moments
+  static constexpr int kOrder = 16;  ///< order of the moments
 
   std::complex<double> series(double qx, double qy) const;
 
@@ -32,7 +32,7 @@ private:
   /// a + b, then a.
   std::vector<double> moments_;
   // Vertices and edges of all rings. Each ring is closed by its first vertex, and the arrays are padded to
-  // whole vectors. The edge of a vertex leads to the next one and is 0 after the last vertex of a ring.
+  // whole vectors. The edge of a vertex leads to the next vertex; at the last vertex of a ring it is 0.
   std::vector<double> x_, y_, edge_x_, edge_y_;
 };
 

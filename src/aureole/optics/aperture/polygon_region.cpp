@@ -85,7 +85,8 @@ std::string name_of(const std::vector<Ring>& rings, const Edge& e) {
          text(ring[(e.index + 1) % ring.size()]);
 }
 
-/// Returns the height y at which the lines through two edges cross; for parallel ones, that of an endpoint.
+/// Returns the height y at which the lines through two edges cross; for parallel lines, the height of an
+/// endpoint.
 double crossing_height(PlanePoint a, PlanePoint b, PlanePoint c, PlanePoint d) {
   const double area = (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
   const double t = ((c.x - a.x) * (d.y - c.y) - (c.y - a.y) * (d.x - c.x)) / area;
@@ -279,7 +280,7 @@ PolygonRegion PolygonRegion::even_odd(std::vector<Ring> rings) {
     return region;
   };
   if (contacts.empty()) {
-    // Rings without contacts keep bitwise equal coordinates.
+    // The rings have no contacts, so that their coordinates stay bitwise equal.
     orient(rings, grid);
     return checked(std::move(rings));
   }

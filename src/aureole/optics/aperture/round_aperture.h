@@ -9,7 +9,7 @@ namespace aureole::optics {
 /// An ellipse with semi-axes along x and y. Its transform is that of the unit circle with scaled q.
 class EllipseAperture final : public ApertureShape {
 public:
-  /// Throws std::domain_error unless both semi-axes are positive and finite.
+  /// Makes an ellipse. Throws std::domain_error unless both semi-axes are positive and finite.
   EllipseAperture(double radius_x, double radius_y);
 
   double area() const override { return area_; }
@@ -24,7 +24,7 @@ private:
 /// A circle without the concentric circle of `inner_radius`, which may be 0.
 class AnnulusAperture final : public ApertureShape {
 public:
-  /// Throws std::domain_error unless 0 <= inner_radius < radius, both finite.
+  /// Makes an annulus. Throws std::domain_error unless 0 <= inner_radius < radius, both finite.
   AnnulusAperture(double radius, double inner_radius);
 
   double area() const override { return area_; }

@@ -26,7 +26,7 @@ void BlockAverage::add(double value) {
 }
 
 void BlockAverage::merge(const BlockAverage& other) {
-  // An incomplete block is not passed to the next level, as at the end of a series.
+  // An incomplete block is not passed to the next level, as in `add` at the end of a series.
   if (levels_.size() < other.levels_.size()) levels_.resize(other.levels_.size());
   for (size_t k = 0; k < other.levels_.size(); ++k) {
     Level& a = levels_[k];
@@ -41,7 +41,8 @@ void BlockAverage::merge(const BlockAverage& other) {
 }
 
 int BlockAverage::plateau() const {
-  constexpr std::int64_t kMinBlocks = 16;  // blocks: the standard error is known to better than 20 %
+  // least number of blocks, with which the standard error is known to better than 20 %
+  constexpr std::int64_t kMinBlocks = 16;
   int k = 0;
   while (k + 1 < int(levels_.size()) && levels_[size_t(k) + 1].blocks >= kMinBlocks) {
     const Level& next = levels_[size_t(k) + 1];

@@ -9,7 +9,7 @@
 namespace aureole::optics {
 
 struct Estimate {
-  double mean = 0, error = 0;  ///< error: one standard deviation of the mean
+  double mean = 0, error = 0;  ///< mean, and its error of one standard deviation
 };
 
 /// A running average whose values are not stored. Level k keeps the mean and the variance of the means of
@@ -33,8 +33,8 @@ public:
 private:
   struct Level {
     std::int64_t blocks = 0;
-    double mean = 0, squares = 0;  // squares of deviations from the mean
-    double pending = 0;            // first half of the next level's block
+    double mean = 0, squares = 0;  // mean, and sum of squared deviations from it
+    double pending = 0;            // first half of a block of the next level
     bool has_pending = false;
     double error() const;
   };

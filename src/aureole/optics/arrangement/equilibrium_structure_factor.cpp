@@ -10,7 +10,7 @@
 namespace aureole::optics {
 namespace {
 
-constexpr int kCorrectionNodes = 321;  // of u
+constexpr int kCorrectionNodes = 321;  // nodes of the table in u
 constexpr double kCorrectionStep = 0.125, kCorrectionEnd = (kCorrectionNodes - 1) * kCorrectionStep;
 
 struct CorrectionRow {
@@ -31,7 +31,7 @@ double equilibrium_correction(double u, double area_fraction) {
                             std::to_string(area_fraction));
   u = std::abs(u);
   if (!(u < kCorrectionEnd)) return 0;
-  // Cubic in u, and in the area fraction through the four nearest rows.
+  // Cubic interpolation in u, and in the area fraction through the four nearest rows.
   const double place = u / kCorrectionStep;
   const int node = std::clamp(int(place) - 1, 0, kCorrectionNodes - 4);
   const double t = place - node;

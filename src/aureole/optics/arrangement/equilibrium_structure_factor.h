@@ -7,13 +7,14 @@
 
 namespace aureole::optics {
 
-/// Largest area fraction of the table, that of `HardDiscSimulation`.
+/// Largest area fraction of the table, which is the largest one of `HardDiscSimulation`.
 inline constexpr double kMaxEquilibriumFraction = 0.68;
 
-/// Returns 1/S' of the simulated discs minus 1/S' of the theory, at u and an area fraction in [0,
-/// kMaxEquilibriumFraction]; 0 for u of 40 or more. By the relation of Ornstein and Zernike, S' = 1/(1 - rho0 c),
-/// this is the error of the theory's direct correlation function c, which is smooth in both arguments. The table
-/// holds 14 area fractions, each from 9600 configurations of 2000 discs (tools/make_hard_disc_table.cpp). Throws
+/// Returns 1/S' of the simulated discs minus 1/S' of the Percus-Yevick theory (`hard_disc_structure_factor`),
+/// with the static structure factor S' at u = q a and an area fraction in [0, kMaxEquilibriumFraction]; 0 for
+/// u of 40 or more. By the relation of Ornstein and Zernike, S' = 1/(1 - rho0 c), this is the error of the
+/// theory's direct correlation function c, which is smooth in both arguments. The table holds 14 area
+/// fractions, each from 9600 configurations of 2000 discs (tools/make_hard_disc_table.cpp). Throws
 /// std::domain_error for other area fractions.
 double equilibrium_correction(double u, double area_fraction);
 

@@ -31,7 +31,7 @@ double hard_disc_pair_correlation(double r, double area_fraction) {
                             std::to_string(area_fraction));
   if (!(r >= 0 && r <= 200))
     throw std::domain_error("distances of hard discs must be in [0, 200] radii, got " + std::to_string(r));
-  // At contact, r = 2, g is the limit from outside.
+  // At contact, r = 2, the result is the limit from outside.
   if (area_fraction == 0) return r < 2 ? 0 : 1;
   const double w = area_fraction / (1 - area_fraction);
   const auto rest = [&](double u) {

@@ -51,7 +51,7 @@ HardDiscSimulation::HardDiscSimulation(std::vector<double> radii, double area_fr
                        [&](double r) { return r != discs_.radius[0]; });
 
   // A collision transfers the motion over pi/4 diameters on average, so the pressure gives the mean free
-  // path. Chains of any length sample the equilibrium as long as all chains have the same length; this one
+  // path. Chains of any length sample the equilibrium as long as all chains have the same length; this length
   // gives sqrt(n) collisions on average.
   const double n = discs_.size();
   const double free_path =
@@ -90,7 +90,8 @@ void HardDiscSimulation::place_on_lattice() {
   discs_.x.resize(size_t(n)), discs_.y.resize(size_t(n));
   const std::int64_t sites = std::int64_t(best_columns) * best_rows;
   for (int i = 0; i < n; ++i) {
-    const int site = int(i * sites / n);  // spreads the vacancies
+    const int site =
+        int(i * sites / n);  // lattice sites are skipped evenly, so that the vacancies are spread
     const int row = site / best_columns, column = site % best_columns;
     discs_.x[order[size_t(i)]] = (column + 0.5 * (row % 2) + 0.25) * box / best_columns;
     discs_.y[order[size_t(i)]] = (row + 0.5) * box / best_rows;
@@ -100,7 +101,7 @@ void HardDiscSimulation::place_on_lattice() {
 void HardDiscSimulation::build_cells(double largest_radius) {
   const double box[2] = {discs_.box_x, discs_.box_y};
   for (int axis = 0; axis < 2; ++axis) {
-    // At most about one cell per disc, however small the discs are.
+    // Number of cells along a side: at most about one cell per disc, however small the discs are.
     const double limit = std::ceil(std::sqrt(double(discs_.size())));
     cells_[axis] =
         std::max(4, int(std::min(limit, std::floor(box[axis] / (2 * largest_radius) * (1 - 1e-9)))));
@@ -169,7 +170,8 @@ void HardDiscSimulation::grow(const std::vector<double>& target) {
     for (int i = 0; i < discs_.size(); ++i) {
       double& r = discs_.radius[i];
       if (r == target[i]) continue;
-      // `room` is at most a cell's side, which is at least the diameter of the largest final disc.
+      // The radius fits into a cell: `room` is at most a cell's side, which is at least the diameter of the
+      // largest final disc.
       r = std::max(r, std::min(target[i], room(i) - 2 * (kMargin - 1) * cell_size_[0]));
       all = all && r == target[i];
     }
@@ -193,7 +195,8 @@ void HardDiscSimulation::chain(int disc, int axis) {
   int cp = axis ? cell_of_[disc] / cells_[0] : cell_of_[disc] % cells_[0];
   int ct = axis ? cell_of_[disc] % cells_[0] : cell_of_[disc] / cells_[0];
   while (true) {
-    // Discs beyond the next cell cannot be hit before the current one ends, since cells are a diameter wide.
+    // Discs beyond the neighbouring cell cannot be hit before the chain leaves the current one, since cells
+    // are a diameter wide.
     const double at = p[disc], across = t[disc], own = radius[disc];
     const double to_edge = std::max((cp + 1) * cell_size_[axis] - at, 0.0);
     double free = std::min(left, to_edge), jump = 0;

@@ -12,7 +12,7 @@ namespace aureole::optics {
 
 struct HardDiscs {
   double box_x = 0, box_y = 0;
-  std::vector<double> x, y, radius;  ///< centres in [0, box)
+  std::vector<double> x, y, radius;  ///< centres in [0, box), and radii
 
   int size() const { return int(radius.size()); }
   double area_fraction() const;

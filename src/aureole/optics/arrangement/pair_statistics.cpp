@@ -11,7 +11,8 @@ namespace aureole::optics {
 namespace {
 
 using FloatLanes [[gnu::vector_size(32)]] = float;
-constexpr int kFloatLanes = 8, kGroups = 4, kBlock = kFloatLanes * kGroups;  // discs summed at once
+// numbers of discs that are summed at once
+constexpr int kFloatLanes = 8, kGroups = 4, kBlock = kFloatLanes * kGroups;
 
 /// Computes cos and sin of k angle for k = 0..largest, [k][2][kBlock]; 0 in lanes without a disc.
 void phase_powers(const double* angle, int used, int largest, float* out) {
@@ -58,13 +59,13 @@ RingStructureFactor::RingStructureFactor(double box_x, double box_y, const std::
     }
   std::stable_sort(found.begin(), found.end(),
                    [](const Candidate& a, const Candidate& b) { return a.ring < b.ring; });
-  const size_t wanted = size_t(per_ring + 1) / 2;  // each counts for two vectors
+  const size_t wanted = size_t(per_ring + 1) / 2;  // each pair of vectors counts for two
   for (size_t begin = 0, end; begin < found.size(); begin = end) {
     for (end = begin; end < found.size() && found[end].ring == found[begin].ring;) ++end;
     std::vector<Candidate> ring(found.begin() + std::ptrdiff_t(begin), found.begin() + std::ptrdiff_t(end));
     if (ring.size() > wanted) {
-      // Keep every other vector, in the order of directions, of the 2 `wanted` vectors nearest the ring's
-      // middle.
+      // Among the 2 `wanted` vectors nearest the ring's middle, every other one is kept, in the order of
+      // directions.
       const double middle = 0.5 * (edges[ring[0].ring] + edges[size_t(ring[0].ring) + 1]);
       std::stable_sort(ring.begin(), ring.end(), [&](const Candidate& a, const Candidate& b) {
         return std::abs(a.q - middle) < std::abs(b.q - middle);

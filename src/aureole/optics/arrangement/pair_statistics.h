@@ -37,11 +37,11 @@ public:
 private:
   struct Ring {
     double q = 0;
-    int vectors = 0, first = 0, last = 0;  // range of pairs_
+    int vectors = 0, first = 0, last = 0;  // number of vectors, and their range in pairs_
     BlockAverage total;
-    std::vector<BlockAverage> partial;  // m <= l
+    std::vector<BlockAverage> partial;  // partial structure factors of the classes m <= l
   };
-  struct VectorPair {  // (kx, ky) and (kx, -ky) in units of 2 pi/box
+  struct VectorPair {  // vectors (kx, ky) and (kx, -ky) in units of 2 pi/box
     int kx, ky;
   };
 
@@ -53,7 +53,7 @@ private:
   std::vector<Ring> rings_;
   std::vector<VectorPair> pairs_;
   std::vector<double> class_count_;
-  std::vector<double> sums_;   // [pair][class][4]: cos cos, sin sin, cos sin, sin cos
+  std::vector<double> sums_;   // sums by [pair][class][4]: cos cos, sin sin, cos sin, sin cos
   std::vector<float> powers_;  // scratch: powers of the phase of each disc of a block
 };
 

@@ -20,7 +20,7 @@ constexpr double kNodes[4] = {0.1834346424956498, 0.5255324099163290, 0.79666647
 constexpr double kWeights[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                 0.1012285362903763};
 
-/// Returns the inverse of 1 - C.
+/// Returns the matrix (1 - C)^-1 of structure factors.
 std::vector<double> structure(std::vector<double> direct, int n, bool& definite) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) direct[i * n + j] = (i == j) - direct[i * n + j];
@@ -59,7 +59,7 @@ std::vector<double> PartialStructureFactors::Correction::basis(double q) const {
   for (size_t k = 0; k + 1 < knots.size(); ++k) {
     const double start = knots[k], width = knots[k + 1] - start;
     if (width == 0) continue;
-    // One set of 8 points for every 8 rad of q r.
+    // Number of Gauss rules of 8 points, one for every 8 rad of q r.
     const int parts = 1 + int(q * width / 8);
     double left = 0, right = 0;
     for (int part = 0; part < parts; ++part)
@@ -95,7 +95,7 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
     const Cholesky factor(std::move(s), n);
     if (!factor.is_definite() || samples[r] < 2 * n + 8) continue;
     inverse[r] = factor.inverse();
-    // The mean of an inverse Wishart matrix gives the unbiased inverse.
+    // The factor makes the inverse unbiased, by the mean of an inverse Wishart matrix.
     for (double& v : inverse[r]) v *= (2 * samples[r] - n - 1) / (2 * samples[r]);
   }
 
@@ -197,7 +197,8 @@ void PartialStructureFactors::tabulate() {
     // is continuous there.
     const double t = std::clamp(4 * (q / q_max_ - 0.75), 0.0, 1.0), fade = 1 - t * t * (3 - 2 * t);
     const std::vector<double> theory = theory_matrix(q);
-    std::vector<double> correction(theory.size(), 0.0), variance(pairs, 0.0);  // of C
+    // correction of C and its variance
+    std::vector<double> correction(theory.size(), 0.0), variance(pairs, 0.0);
     for (int m = 0; m < n && !corrections_.empty(); ++m)
       for (int l = m; l < n; ++l) {
         const Correction& c = corrections_[pair(m, l)];
@@ -226,7 +227,7 @@ void PartialStructureFactors::tabulate() {
     if (corrections_.empty()) continue;
     for (int m = 0; m < n; ++m)
       for (int l = m; l < n; ++l) {
-        double sum = 0;  // dS = S dC S
+        double sum = 0;  // error of S by dS = S dC S
         for (int i = 0; i < n; ++i)
           for (int j = i; j < n; ++j) {
             double slope = s[m * n + i] * s[j * n + l];

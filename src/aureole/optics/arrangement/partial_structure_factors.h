@@ -45,11 +45,11 @@ private:
   std::vector<double> theory_matrix(double q) const;
   double look_up(const std::vector<float>& table, int pair, double q) const;
 
-  struct Correction {                  // of one pair of classes
-    std::vector<double> knots;         // r; the contact distance occurs twice
-    std::vector<double> coefficients;  // c(r) - theory at the knots; 0 at the last
+  struct Correction {                  // correction of C for one pair of classes
+    std::vector<double> knots;         // knots in r; the contact distance occurs twice
+    std::vector<double> coefficients;  // c(r) minus the theory at the knots; 0 at the last knot
     std::vector<double> covariance;
-    double scale = 0;  // sqrt(rho_m rho_l)
+    double scale = 0;  // normalisation sqrt(rho_m rho_l)
     /// Returns the Fourier transforms of the hat functions at the knots.
     std::vector<double> basis(double q) const;
   };
@@ -58,7 +58,7 @@ private:
   double q_max_, step_;
   double chi_squared_ = 0;
   std::vector<Correction> corrections_;
-  std::vector<float> values_, errors_;  // [pair][node]
+  std::vector<float> values_, errors_;  // values of S_ml and their errors, by [pair][node]
 };
 
 }  // namespace aureole::optics

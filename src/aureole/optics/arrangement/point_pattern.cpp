@@ -33,7 +33,7 @@ double taper(double x, double side) {
 /// Returns the integral of taper(x) exp(-i q x) over the side.
 std::complex<double> taper_transform(double q, double side) {
   const double s = std::abs(q) * side / (2 * kPi);
-  double value;  // sinc/(1 - s^2), continued through s = 0 and 1
+  double value;  // sinc/(1 - s^2), continued through s = 0 and s = 1
   if (s < 1e-6)
     value = 1;
   else if (std::abs(s - 1) < 1e-5)
@@ -69,8 +69,8 @@ std::vector<Estimate> window_structure_factor(const std::vector<PointPattern>& f
     if (!(power > 0)) throw std::domain_error("all points of a window lie on its edge");
     const double density = sum / (0.25 * f.width * f.height);
     for (size_t k = 0; k < q.size(); ++k) {
-      // Wave vectors are independent if they are further apart than the bandwidth of the squared taper, 35/18
-      // of 2 pi/side.
+      // Two wave vectors are independent if they are further apart than the bandwidth of the squared taper,
+      // 35/18 of 2 pi/side.
       const double bandwidth = 35.0 / 18 * 2 * kPi / std::sqrt(f.width * f.height);
       independent[k] += std::clamp(kPi * q[k] / bandwidth, 1.0, double(directions));
       for (int d = 0; d < directions; ++d) {

@@ -11,7 +11,7 @@ namespace aureole::optics {
 
 struct PointPattern {
   double width = 0, height = 0;
-  std::vector<double> x, y;  ///< in [0, width] x [0, height]
+  std::vector<double> x, y;  ///< coordinates of the points in [0, width] x [0, height]
 };
 
 /// Returns the smallest |q| at which S(q) can be estimated in a window. Below it the transform of the mean

@@ -16,7 +16,7 @@ namespace {
 /// Ends of the measured rings of wave vectors (kMeasured) and of the tables (kTable), as |q| times the mean
 /// radius.
 constexpr double kMeasured = 20, kTable = 40;
-/// Most waves per side of the box: in large, dilute boxes the rings end at a smaller |q|.
+/// Upper bound of the waves per side of the box: in large, dilute boxes the rings end at a smaller |q|.
 constexpr double kMaxWaves = 2000;
 
 std::vector<double> ring_edges(double mean_radius, double box) {

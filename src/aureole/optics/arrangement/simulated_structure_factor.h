@@ -11,22 +11,22 @@
 namespace aureole::optics {
 
 struct HardDiscEnsemble {
-  static constexpr int kReplicas = 8;  ///< independent simulations, whatever the number of threads
+  static constexpr int kReplicas = 8;  ///< number of independent simulations, whatever the number of threads
 
   /// Below this area fraction the error of the theory, under 0.4 Fa^2, is smaller than the noise of a
   /// simulation.
   static constexpr double kTheoryBelow = 0.03;
 
-  int discs = 1500;      ///< in each replica
-  int snapshots = 1200;  ///< in all replicas together
+  int discs = 1500;      ///< discs in each replica
+  int snapshots = 1200;  ///< snapshots in all replicas together
   std::uint64_t seed = 0;
   int per_ring = 24;  ///< wave vectors of a ring
 };
 
 struct HardDiscMeasurement {
-  HardDiscMixture mixture;  ///< as simulated: whole numbers of discs
+  HardDiscMixture mixture;  ///< the mixture as simulated, with whole numbers of discs
   RingStructureFactor structure;
-  double pressure;  ///< over that of an ideal gas
+  double pressure;  ///< pressure over the pressure of an ideal gas
 };
 
 /// Simulates a mixture of any area fraction above 0.01; the replicas run in parallel by `parallel_for`.

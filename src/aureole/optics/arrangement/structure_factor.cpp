@@ -19,7 +19,7 @@ void check_percus_yevick(double area_fraction) {
                             std::to_string(area_fraction));
 }
 
-/// Returns the mean over the ring of a function with S(-u) = S(u).
+/// Returns the mean over the ring |q| = u of a function with S(-u) = S(u).
 double mean_over_ring(const StructureFactor& s, double u) {
   return ring_mean(u, 64 + int(4 * u), [&](double x, double y) { return s.eval(x, y); });
 }
@@ -32,8 +32,8 @@ HardDiscWave::HardDiscWave(double u)
 double HardDiscWave::structure_factor(double area_fraction) const {
   check_percus_yevick(area_fraction);
   const double ratio = area_fraction / (1 - area_fraction);
-  // The first term is the exclusion of a disc of radius 2a; the other two are the overlaps of edges and of
-  // areas.
+  // Direct correlation function: the first term is the exclusion of a disc of radius 2a; the other two are
+  // the overlaps of edges and of areas.
   const double c = 4 * ratio * double_disc + 4 * ratio * ratio * j0 * disc +
                    (ratio * ratio + 2 * ratio * ratio * ratio) * disc * disc;
   return 1 / (1 + c);
@@ -87,7 +87,7 @@ TabulatedStructureFactor TabulatedStructureFactor::from_pair_correlation(const s
     throw std::domain_error("a pair correlation must reach beyond r = 4 a, but ends at " +
                             std::to_string(end));
   const auto h = [&](double x) {
-    if (x < r.front()) return -1.0;  // no pair is closer than the first distance of the table
+    if (x < r.front()) return -1.0;  // g(r) = 0: no pair is closer than the first distance of the table
     const std::size_t i =
         std::min(std::size_t(std::upper_bound(r.begin(), r.end(), x) - r.begin()), r.size() - 1) - 1;
     const double t = (x - r[i]) / (r[i + 1] - r[i]);
@@ -105,7 +105,7 @@ TabulatedStructureFactor TabulatedStructureFactor::from_pair_correlation(const s
   const double step = end / steps;
   for (int i = 0; i < steps; ++i) {
     places[i] = (i + 0.5) * step;
-    weights[i] = 2 * area_fraction * h(places[i]) * places[i] * step;  // 2 pi rho0 a^2 = 2 Fa
+    weights[i] = 2 * area_fraction * h(places[i]) * places[i] * step;  // weights with 2 pi rho0 a^2 = 2 Fa
   }
   std::vector<double> u, values;
   constexpr double kEnd = 60, kStep = 1.0 / 16;
@@ -125,7 +125,7 @@ MappedStructureFactor::MappedStructureFactor(std::vector<float> values, int widt
       throw std::domain_error("a structure factor must not be negative, but pixel (" +
                               std::to_string(i % std::size_t(width)) + ", " +
                               std::to_string(i / std::size_t(width)) + ") is " + std::to_string(values_[i]));
-  for (std::size_t i = 0; i < n / 2; ++i)  // turned by 180 degrees
+  for (std::size_t i = 0; i < n / 2; ++i)  // the second half is the first one rotated by 180 degrees
     values_[i] = values_[n - 1 - i] = 0.5f * (values_[i] + values_[n - 1 - i]);
 }
 
@@ -155,7 +155,7 @@ LatticeStructureFactor::LatticeStructureFactor(Kind kind, double area_fraction, 
     throw std::domain_error(std::string(kind == Kind::hexagonal ? "a hexagonal" : "a square") +
                             " lattice holds area fractions in (0, " + std::to_string(most) + "], got " +
                             std::to_string(area_fraction));
-  spacing_ = 2 * std::sqrt(most / std::min(area_fraction, most));  // touching discs are 2 apart
+  spacing_ = 2 * std::sqrt(most / std::min(area_fraction, most));  // the spacing where discs touch is 2
   sigma_ = jitter * spacing_, length_ = domain * spacing_;
   if (!(length_ <= kLongestOrder))
     throw std::domain_error("domains of " + std::to_string(domain) +
@@ -168,8 +168,8 @@ LatticeStructureFactor::LatticeStructureFactor(Kind kind, double area_fraction, 
   bx_[1] = 0, by_[1] = kind == Kind::hexagonal ? 2 * b / std::numbers::sqrt3 : b;
   cell_ = bx_[0] * by_[1];
   if (random_) {
-    // Shells of equal |G| and their numbers of points: (2 reach + 1)^2 points contain all shells up to 0.8
-    // reach b.
+    // The shells of equal |G| and their numbers of points. The (2 reach + 1)^2 points contain all shells up
+    // to 0.8 reach b.
     const int reach = 64;
     std::vector<double> radii;
     for (int i = -reach; i <= reach; ++i)

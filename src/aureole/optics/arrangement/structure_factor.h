@@ -106,8 +106,9 @@ private:
 class LatticeStructureFactor final : public StructureFactor {
 public:
   enum class Kind { hexagonal, square };
-  /// `jitter`: sigma along each axis in lattice spacings; `domain`: L in spacings; `angle`: of one lattice
-  /// vector to x, rad. `random_orientation`: many domains, the mean over angles.
+  /// `jitter` is sigma along each axis in lattice spacings; `domain` is L in spacings; `angle` is the angle
+  /// between one lattice vector and x [rad]. With `random_orientation` the result is the mean over angles,
+  /// for many domains.
   LatticeStructureFactor(Kind kind, double area_fraction, double jitter, double domain, double angle,
                          bool random_orientation);
   double eval(double u) const override;
@@ -121,13 +122,15 @@ private:
   static constexpr double kLongestOrder = 25;
 
   Kind kind_;
-  double spacing_, sigma_, length_, cosine_, sine_, cell_;  // relative to a; cell_: of the reciprocal lattice
-  double bx_[2], by_[2];                                    // reciprocal basis, unturned
+  // lengths relative to a, and the area of a cell of the reciprocal lattice
+  double spacing_, sigma_, length_, cosine_, sine_, cell_;
+  double bx_[2], by_[2];  // reciprocal basis before the rotation by `angle`
   bool random_;
-  std::vector<std::pair<double, int>> shells_;  ///< |G| and the number of lattice points in the shell
+  std::vector<std::pair<double, int>> shells_;  ///< |G| of each shell, and the number of its lattice points
 };
 
-/// S'(u) of positions stretched by sqrt(ratio) in one direction and compressed by the same factor across it.
+/// The structure factor S'(u) of positions that are stretched by sqrt(ratio) in one direction and compressed
+/// by that factor across it.
 class StretchedStructureFactor final : public StructureFactor {
 public:
   StretchedStructureFactor(std::shared_ptr<const StructureFactor> unstretched, double ratio, double angle);

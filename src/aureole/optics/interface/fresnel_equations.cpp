@@ -24,7 +24,7 @@ void check_real_index(double n) {
 }
 
 void check_complex_index(Complex n) {
-  // The real part may be tiny or 0, as for some metals, but not both parts.
+  // The index may have a tiny or zero real part, as for some metals, or a zero imaginary part, but not both.
   if (!(n.real() >= 0 && n.imag() >= 0 && std::isfinite(n.real()) && std::isfinite(n.imag()) &&
         std::abs(n) > 0))
     throw std::domain_error("complex refractive index eta + i k needs finite eta, k >= 0, not both 0, got " +
@@ -64,7 +64,7 @@ double fresnel_reflectance(double cos_i, double n_i, double n_t) {
   const double eta = n_t / n_i;
   const double normal_t2 = eta * eta - (1 - cos_i) * (1 + cos_i);
   if (normal_t2 <= 0) return 1;
-  const double normal_t = std::sqrt(normal_t2);  // eta cos_t
+  const double normal_t = std::sqrt(normal_t2);  // cosine term eta cos_t
   const double r_s = (cos_i - normal_t) / (cos_i + normal_t);
   const double r_p = (eta * eta * cos_i - normal_t) / (eta * eta * cos_i + normal_t);
   return 0.5 * (r_s * r_s + r_p * r_p);
@@ -85,12 +85,12 @@ SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickn
     throw std::domain_error("thickness of a slab must be positive and finite, got " +
                             std::to_string(thickness));
   const FresnelAmplitudes face = fresnel_amplitudes(cos_i, n_ext, n_slab);
-  // Change of the amplitude along one way through the slab.
+  // Change of the amplitude along one pass through the slab.
   const Complex way = std::exp(Complex(0, 2 * kPi * thickness) * (n_slab * face.cos_t));
   SlabPowers mean;
   for (const Complex r : {face.r_s, face.r_p}) {
     const Complex sum = 1.0 - r * r * way * way;
-    // At the critical angle the amplitudes are 0/0: they are those of an angle beside it.
+    // At the critical angle the amplitudes are 0/0, so that the amplitudes of a nearby angle are used.
     if (sum == 0.0) return slab_powers(cos_i < 0.5 ? cos_i + 1e-7 : cos_i - 1e-7, n_ext, n_slab, thickness);
     mean.reflected += 0.5 * std::norm(r * (1.0 - way * way) / sum);
     mean.transmitted += 0.5 * std::norm((1.0 - r * r) * way / sum);
@@ -101,8 +101,8 @@ SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickn
 double fresnel_diffuse_reflectance(double eta) {
   check_real_index(eta);
   if (eta == 1) return 0;
-  // Below 1 the integrand has a kink at the critical angle. R is equal from both sides, so the substitution
-  // mu_i dmu_i = eta^2 mu_t dmu_t leaves the smooth external integral.
+  // For eta below 1 the integrand has a kink at the critical angle. R is equal from both sides, so the
+  // substitution mu_i dmu_i = eta^2 mu_t dmu_t leaves the smooth external integral.
   if (eta < 1) return (1 - eta * eta) + eta * eta * fresnel_diffuse_reflectance(1 / eta);
   const auto integrand = [eta](double mu) { return 2 * mu * fresnel_reflectance(mu, 1, eta); };
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(integrand, 0.0, 1.0, 15, 1e-11);

@@ -4,7 +4,7 @@
 //
 // Conventions. Time dependence exp(-i omega t), so an absorbing medium has n = eta + i k with k >= 0. The
 // wave comes from a lossless medium n_i. All cosines are between a direction and the normal on its own side,
-// in [0, 1]; values less than 1e-6 outside are taken for rounding errors and clamped. Indices are
+// in [0, 1]; values less than 1e-6 outside count as rounding errors and are clamped. Indices are
 // dimensionless. Every function throws std::domain_error, with the value, for a cosine or an index out of its
 // range.
 #pragma once
@@ -41,21 +41,21 @@ double fresnel_reflectance_conductor(double cos_i, double n_i, std::complex<doub
 /// polarisations through the slab either. `n_ext` is the index outside, `n_int` the slab's.
 double thin_slab_reflectance(double cos_i, double n_ext, double n_int);
 
-/// Fractions of the power of a plane wave. The rest is absorbed.
+/// Fractions of the power of a plane wave that a slab reflects and transmits. The rest is absorbed.
 struct SlabPowers {
   double reflected = 0, transmitted = 0;
 };
 
 /// Returns the fractions of unpolarised power that a slab with parallel faces reflects and transmits, with interference
 /// of all reflections within it (Born & Wolf 1999, 1.6.4 equations 57 to 60 and 14.4; Recommendation ITU-R P.2040-3,
-/// section 2.2.2, a single layer). The mean of both polarisations. `n_ext` is the index on both sides, `n_slab` = eta
-/// + i k that of the slab, `thickness` is a multiple of the wavelength in vacuum. Throws std::domain_error, also for a
-/// thickness that is not positive and finite.
+/// section 2.2.2, a single layer). The result is the mean over both polarisations. `n_ext` is the index on
+/// both sides, `n_slab` = eta + i k the index of the slab, `thickness` is a multiple of the wavelength in
+/// vacuum. Throws std::domain_error, also for a thickness that is not positive and finite.
 SlabPowers slab_powers(double cos_i, double n_ext, std::complex<double> n_slab, double thickness);
 
 /// Returns the reflectance for ideally diffuse unpolarised light, the integral of 2 R(mu) mu over mu in [0,
-/// 1]. `eta` is the index beyond the interface over that on the incident side: eta > 1 is the "external" and
-/// eta < 1 the "internal" diffuse reflectance. The quadrature error is below 1e-9.
+/// 1]. `eta` is the index beyond the interface over the index on the incident side: eta > 1 is the "external"
+/// and eta < 1 the "internal" diffuse reflectance. The quadrature error is below 1e-9.
 double fresnel_diffuse_reflectance(double eta);
 
 }  // namespace aureole::optics

@@ -46,7 +46,7 @@ std::complex<double> radio_permittivity(std::string_view material, double freque
   for (const RadioMaterial& m : radio_materials()) {
     if (m.name == material) {
       if (ghz >= m.min_ghz && ghz <= m.max_ghz) {
-        constexpr double kVacuum = 8.8541878128e-12;  // permittivity, F/m, CODATA 2018
+        constexpr double kVacuum = 8.8541878128e-12;  // vacuum permittivity [F/m], CODATA 2018
         const double conductivity = m.c * std::pow(ghz, m.d);
         return {m.a * std::pow(ghz, m.b), conductivity / (2 * std::numbers::pi * frequency_hz * kVacuum)};
       }

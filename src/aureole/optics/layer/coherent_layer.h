@@ -42,8 +42,8 @@ struct CoherentLayer {
 
 /// The particles of a layer, by means over their distribution.
 struct LayerSpheres {
-  double size_squared;           ///< x^2, x = k radius in the medium
-  std::complex<double> forward;  ///< S(0)
+  double size_squared;           ///< mean of x^2, with x = k radius in the medium
+  std::complex<double> forward;  ///< mean forward amplitude S(0)
 };
 
 /// Returns the amplitudes of the layer. `specular`: the S_j. cos_i is in [0, 1]; at 0, grazing incidence, all

@@ -21,7 +21,8 @@ IntensityMap::IntensityMap(const std::function<MixtureIntensity(double, double)>
   nodes_.resize(std::size_t(total));
   for (int l = 0; l < kLevels; ++l) {
     const int half = int(extents[l] * rates[l]);
-    const double inner = l > 0 ? extents[l - 1] - 2 / rates[l] : -1;  // inside it a finer level is used
+    // inside this extent a finer level is used
+    const double inner = l > 0 ? extents[l - 1] - 2 / rates[l] : -1;
     parallel_for(
         std::size_t(rows[l]),
         [&](std::size_t begin, std::size_t end) {

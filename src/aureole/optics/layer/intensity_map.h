@@ -27,8 +27,8 @@ public:
   };
   static constexpr int kLargestExtent = 240;
 
-  /// `extent` is the largest |u| needed; at most kLargestExtent is tabulated. `f` is called from the threads
-  /// of `parallel_for`.
+  /// Tabulates `f`. `extent` is the largest |u| needed; at most kLargestExtent is tabulated. `f` is called
+  /// from the threads of `parallel_for`.
   IntensityMap(const std::function<MixtureIntensity(double, double)>& f, double extent,
                const ParallelFor& parallel_for = serial_for);
 
@@ -52,7 +52,7 @@ private:
   template <int N>
   struct Vectors;
   static constexpr int kLevels = 5;
-  float extents_[kLevels], rates_[kLevels];  // rate: nodes per unit
+  float extents_[kLevels], rates_[kLevels];  // extent of each level, and its number of nodes per unit of u
   std::int32_t columns_[kLevels], first_[kLevels];
   /// Nodes (U, C), level by level, for ux from -extent - step and uy from -step. The lower half plane is the
   /// upper one rotated by 180 degrees.

@@ -11,9 +11,10 @@
 namespace aureole::optics {
 namespace {
 
-// Lengths here are in units of the reach R of the scatterers, v = u R.
+// Lengths in this file are in units of the reach R of the scatterers, so that v = u R.
 
-/// Autocorrelations end at |r| = 2: with a period of 4.2 samples of them determine those of W, and vice versa.
+/// Period of the samples. Autocorrelations w end at |r| = 2, so that with a period of 4.2 samples of w
+/// determine samples of its transform W, and vice versa.
 constexpr double kPeriod = 4.2;
 /// W is sampled up to |v| = kHalf 2 pi/kPeriod = 90.
 constexpr int kHalf = 60, kSide = 2 * kHalf + 1;
@@ -36,12 +37,13 @@ OverlappingScatterers::OverlappingScatterers(const Independent& independent, dou
       mean_square_(mean_square),
       rate_(kRate * reach),
       isotropic_(isotropic) {
-  // w over one period, from W: first the sum over the columns of each row of frequencies, then over the rows.
+  // Autocorrelation w over one period, from W: first the sum over the columns of each row of frequencies,
+  // then over the rows.
   const double spacing = 2 * kPi / kPeriod;
   std::vector<std::complex<double>> turns(kSide);
   for (int i = 0; i < kSide; ++i) turns[i] = phase(2 * kPi * i / kSide);
   const auto turn = [&](int k, int j) { return turns[std::size_t((k * j % kSide + kSide) % kSide)]; };
-  std::vector<double> values(std::size_t(kSide) * (kHalf + 1));  // W at vy >= 0; it is even
+  std::vector<double> values(std::size_t(kSide) * (kHalf + 1));  // values of W at vy >= 0; W is even
   for (int y = 0; y <= kHalf; ++y)
     for (int x = -kHalf; x <= kHalf; ++x)
       values[std::size_t(y * kSide + x + kHalf)] =
@@ -58,7 +60,7 @@ OverlappingScatterers::OverlappingScatterers(const Independent& independent, dou
       for (int x = -kHalf; x <= kHalf; ++x) sum += values[std::size_t(y * kSide + x + kHalf)] * turn(x, j);
       rows[std::size_t(y * kSide + j + kHalf)] = sum;
     }
-  // (exp(rho w) - 1 - growth rho w)/rho. w is in units of a^2, W in a^4 and u in 1/a.
+  // Function (exp(rho w) - 1 - growth rho w)/rho, with w in units of a^2, W in a^4 and u in 1/a.
   const double scale = std::pow(spacing / (2 * kPi * reach), 2);
   std::vector<double> rest(std::size_t(kSide) * kSide);
   for (int i = -kHalf; i <= kHalf; ++i)
@@ -70,7 +72,8 @@ OverlappingScatterers::OverlappingScatterers(const Independent& independent, dou
       rest[std::size_t((i + kHalf) * kSide + j + kHalf)] = std::expm1(density * w) / density - growth_ * w;
     }
 
-  // Its transform at the nodes, by the same two sums; lengths are those of R, so that the area is R^2.
+  // Transform of that function at the nodes, by two sums as above; lengths are relative to R, so that the
+  // area is in units of R^2.
   const int half = int(kEnd * kRate) + 1;
   columns_ = 2 * half + 1, rows_ = isotropic ? 1 : half + 2;
   const double area = std::pow(kStep * reach, 2);
@@ -104,7 +107,7 @@ OverlappingScatterers::OverlappingScatterers(const Independent& independent, dou
   });
 }
 
-/// Interpolates the nodes by cubics.
+/// Interpolates the nodes of the transform by cubics.
 double OverlappingScatterers::edge(double ux, double uy) const {
   if (isotropic_) ux = std::hypot(ux, uy), uy = 0;
   if (uy < 0) ux = -ux, uy = -uy;

@@ -9,7 +9,8 @@
 // Fr it is rho times the transform W of w, the mean of |F|^2, as if scatterers did not overlap; at Fr = 0.5 it
 // is 15 % lower than that in the centre, relative to its total, and has no dark rings.
 //
-// Scale-free as in scatterer_mixture.h: lengths are relative to the correlation radius a, and u = q a.
+// Quantities are scale-free as in scatterer_mixture.h: lengths are relative to the correlation radius a, and
+// u = q a.
 #pragma once
 
 #include <functional>
@@ -29,8 +30,8 @@ public:
   OverlappingScatterers(const Independent& independent, double mean_square, double reach, double density,
                         bool isotropic, const ParallelFor& parallel_for = serial_for);
 
-  /// Returns the intensity per scatterer and area, without the factor exp(-2 Fr), from W at the same place:
-  /// the transform of (exp(rho w) - 1)/rho.
+  /// Returns the intensity per scatterer and area, without the factor exp(-2 Fr), from W at the same (ux,
+  /// uy): the transform of (exp(rho w) - 1)/rho.
   double eval(double ux, double uy, double independent) const;
   /// Returns the integral of `eval` over the plane of u, divided by 2 pi.
   double total() const;
@@ -38,7 +39,7 @@ public:
 private:
   double edge(double ux, double uy) const;
 
-  double density_, growth_;  ///< rho a^2 and exp(rho w(0))
+  double density_, growth_;  ///< rho a^2, and the factor exp(rho w(0))
   double mean_square_, rate_;
   /// The transform of (exp(rho w) - 1 - growth rho w)/rho at steps of 1/rate_ of ux, and of uy >= 0 unless
   /// isotropic: row by row, with a border of one node.

@@ -16,16 +16,17 @@
 namespace aureole::optics {
 namespace {
 
-/// Points of the radius with the weights of the integral over the unit disc, the amplitude t included.
+/// Points along the radius with the weights of the integral over the unit disc, the amplitude t included.
 struct Points {
   std::vector<double> radius, height, weight;
-  double power = 0;  ///< the integral of t^2 over the disc
+  double power = 0;  ///< integral of t^2 over the disc
 };
 
 Points points(const PhaseProfile& profile, int count) {
   Points p;
   const bool flat = profile.contact_angle == 0;
-  // Points of a cap are equally dense in the slope's angle; light passes up to the critical angle.
+  // Points of a cap are uniform in the angle of the slope, up to the critical angle, beyond which no light is
+  // transmitted.
   const double sine = flat ? 1 : std::sin(profile.contact_angle),
                last =
                    flat ? 0.5 * kPi : std::min(profile.contact_angle, std::asin(1 / profile.relative_index));
@@ -86,7 +87,7 @@ PhaseScatterer::PhaseScatterer(const PhaseProfile& profile, const SizeDistributi
   std::vector<std::vector<double>> sums(static_cast<std::size_t>(rows_));
   for (auto& row : sums) row.assign(std::size_t(columns_) * 4 + 2, 0.0);
   for (const auto& [size, share] : sizes.nodes()) {
-    // Gauss's rule is exact as soon as there are some more points than half of the largest phase.
+    // Gauss's rule is exact as soon as its points outnumber half of the largest phase by a few.
     const int count = 48 + int(0.6 * size * (end_u + end_psi));
     const Points p = points(profile, count);
     // exp(i psi h) at the nodes of psi, real and imaginary parts of all points in rows.

@@ -37,7 +37,7 @@
 
 namespace aureole::optics {
 
-/// The height of a scatterer above its base, and the amplitude of the light that passes.
+/// The height of a scatterer above its base, and the amplitude of the transmitted light.
 struct PhaseProfile {
   /// Contact angle of a cap [rad], in (0, pi/2]; 0: a flat disc.
   double contact_angle = 0;
@@ -48,7 +48,8 @@ struct PhaseProfile {
   double cap_height() const;
 };
 
-/// Means over the sizes of a layer, whose heights are in proportion to their radii. Relative to the median size.
+/// Means over the sizes of a layer whose heights are in proportion to its radii. Lengths are relative to the
+/// median size.
 class PhaseScatterer {
 public:
   /// Means of |R|^2, Re R D, Re R and Im R.
@@ -68,28 +69,29 @@ public:
   Means at(float u, float psi) const;
 
   /// Terms of the intensity of a layer, J = rho (U + C S') with the density rho of scatterers: C = |<F>|^2
-  /// and U = <|F|^2> - C. Relative to a^4.
+  /// and U = <|F|^2> - C, both relative to a^4.
   struct Intensity {
     float uncorrelated, coherent;
   };
-  /// `amplitude`: a factor of R beside sqrt(N).
+  /// Returns the terms of the intensity. `amplitude` is a factor of R beside sqrt(N).
   Intensity intensity(float u, float psi, float amplitude) const;
 
   /// Returns |1 + rho <F>|^2, the fraction of power in the undiffracted beam, for scatterers whose bases cover the
   /// fraction `covered` of the plane.
   float undiffracted(float psi, float amplitude, float covered) const;
 
-  /// Returns the integral of t^2 over the base, over its area: the part of the light along the axis that passes a
-  /// scatterer.
+  /// Returns the integral of t^2 over the base, over its area: the fraction of the light along the axis that
+  /// a scatterer transmits.
   double transmittance() const { return transmittance_; }
-  /// Returns the mean square of the sizes: how much larger than the median size's the mean base is.
+  /// Returns the mean square of the sizes, which is the mean area of the bases over the area for the median
+  /// size.
   double mean_square() const { return mean_square_; }
   std::size_t bytes() const { return (table_.size() + base_.size()) * sizeof(float); }
 
 private:
   /// The cubic through four neighbouring nodes of a table, at a position in nodes that is clamped to the table.
   struct Cubic {
-    int first;  ///< node
+    int first;  ///< index of the first of the four nodes
     std::array<float, 4> weights;
     Cubic(float position, int nodes);
   };
@@ -97,9 +99,9 @@ private:
 
   static constexpr double kStepU = 0.25, kStepPsi = 0.4;
 
-  int columns_ = 0, rows_ = 0;  // nodes of psi and of u
-  std::vector<float> table_;    // [u][psi][4]
-  std::vector<float> base_;     // at the nodes of u: means of D^2 and of D
+  int columns_ = 0, rows_ = 0;  // numbers of nodes of psi and of u
+  std::vector<float> table_;    // the four means by [u][psi][4]
+  std::vector<float> base_;     // means of D^2 and of D at the nodes of u
   double transmittance_ = 1, mean_square_ = 1;
   bool uniform_ = true;
 };

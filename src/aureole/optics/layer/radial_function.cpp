@@ -36,7 +36,7 @@ RadialFunction::RadialFunction(const std::vector<double>& values, int end, bool 
   for (int i = 0; i < cells; ++i) {
     const double a = Cells::start(i), *y = &values[3 * std::size_t(i)];
     const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
-    // The cubic through values at 0, 1/3, 2/3 and 1.
+    // Coefficients of the cubic through values at 0, 1/3, 2/3 and 1.
     float* k = &coefficients_[4 * std::size_t(i)];
     k[0] = float(y0);
     k[1] = float(-5.5 * y0 + 9 * y1 - 4.5 * y2 + y3);
@@ -56,7 +56,7 @@ RadialDistribution::RadialDistribution(const std::function<double(double)>& dens
     exact[i] = std::max(density(Cells::start(i)), 0.0);
     if (i > 0) total += 0.5 * (exact[i - 1] + exact[i]) * Cells::width(i - 1);
   }
-  exact[cells] = tail / end / end;  // makes the density continuous; the tail keeps its power
+  exact[cells] = tail / end / end;  // the last value makes the density continuous; the tail keeps its power
   // The cumulative distribution integrates the rounded nodes that `eval` reads, so that samples follow `eval`
   // exactly.
   nodes_.resize(cells + 2);
@@ -90,9 +90,9 @@ double RadialDistribution::sample(double xi, double u_max) const {
   const std::size_t g = std::min(std::size_t(target / table * double(guide_.size())), guide_.size() - 1);
   int i = int(guide_[g]);
   const int last = int(power_.size()) - 2;
-  if (i > 0 && power_[i] > target) --i;  // rounding of the index into the guide
+  if (i > 0 && power_[i] > target) --i;  // corrects the rounding of the index into the guide
   while (i < last && power_[i + 1] <= target) ++i;
-  // The root of t (a + t (b - a)/2) = rest, in the form without division by b - a.
+  // Position t as the root of t (a + t (b - a)/2) = rest, in the form without division by b - a.
   const double a = nodes_[i], b = nodes_[i + 1], rest = (target - power_[i]) / Cells::width(i);
   const double denominator = a + std::sqrt(std::max(0.0, a * a + 2 * (b - a) * rest));
   const double t = denominator > 0 ? std::min(2 * rest / denominator, 1.0) : 0.0;

@@ -39,8 +39,8 @@ struct RadialCells {
 class RadialFunction {
 public:
   /// Tabulates f over [0, end]; `end` is a whole number. Beyond `end` the function is c/u^3, with c the mean
-  /// of f u^3 over the last sixteenth: by Porod's law shapes with an edge scatter so. With `decays` false it
-  /// is 0 there, for functions that oscillate about 0.
+  /// of f u^3 over the last sixteenth: which is Porod's law for shapes with an edge. With `decays` false the
+  /// function is 0 there, for functions that oscillate about 0.
   RadialFunction(const std::function<double(double)>& f, int end, bool decays);
   /// Makes the table from the values of f at `places(end)`.
   RadialFunction(const std::vector<double>& values, int end, bool decays);
@@ -67,7 +67,7 @@ private:
 /// cumulative distribution. Samples follow exactly the density that `eval` returns.
 class RadialDistribution {
 public:
-  /// `density` returns u g(u) >= 0 on any scale; beyond `end` it is `tail`/u^2 on the same scale.
+  /// `density` returns u g(u) >= 0 up to a constant factor; beyond `end` it is `tail`/u^2 with that factor.
   RadialDistribution(const std::function<double(double)>& density, int end, double tail);
 
   /// Returns g(u), normalised so that the integral of u g(u) du over [0, infinity) is 1.
@@ -90,15 +90,16 @@ private:
     Real t;
     const int i = Cells::find(inside, t);
     const Real a = static_cast<Real>(nodes_[i]), b = static_cast<Real>(nodes_[i + 1]);
-    const Real decay = inside / u;  // is 1 inside the table
+    const Real decay = inside / u;  // the factor is 1 inside the table
     return (a + t * (b - a)) * decay * decay;
   }
 
   int end_;
-  /// Values at the start of each cell and at end_; one more is read with weight 0
+  /// Values at the start of each cell and at end_; `eval` reads one more value with weight 0.
   std::vector<float> nodes_;
-  std::vector<double> power_;         ///< integral up to the start of each cell and up to end_
-  std::vector<std::uint32_t> guide_;  ///< the cell where a search starts, at equal steps of the distribution
+  std::vector<double> power_;  ///< integral up to the start of each cell and up to end_
+  /// cell in which a search starts, at equal steps of the cumulative distribution
+  std::vector<std::uint32_t> guide_;
   double tail_, total_;
 };
 

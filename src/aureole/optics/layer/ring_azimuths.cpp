@@ -51,7 +51,8 @@ std::vector<RingAzimuths> RingAzimuths::of(int count, const Intensities& f, doub
     const int first = any.rings_[i].first, bins = int(any.rings_[i].bins);
     const double a = any.ring_start(i), b = any.ring_start(i + 1);
     constexpr int kAcross = 3, kAlong = 3;
-    std::vector<double> xs, ys, squares;  // squares: squared lengths of (x, y) at all points of the ring
+    // `squares` holds the squared lengths of (x, y) at all points of the ring
+    std::vector<double> xs, ys, squares;
     for (int k = 0; k < bins; ++k)
       for (int m = 0; m < kAlong; ++m) {
         const double p = (k + (m + 0.5) / kAlong) / bins, x = 1 - 2 * p, y = 1 - std::abs(x);
@@ -71,10 +72,12 @@ std::vector<RingAzimuths> RingAzimuths::of(int count, const Intensities& f, doub
       for (int k = 0; k < bins; ++k) {
         for (int m = 0; m < kAlong; ++m)
           for (int r = 0; r < kAcross; ++r)
-            weights[k] += *value++ / squares[std::size_t(k) * kAlong + m];  // d azimuth/dp = 2/length^2
+            // weights by the Jacobian d azimuth/dp = 2/length^2
+            weights[k] += *value++ / squares[std::size_t(k) * kAlong + m];
         sum += weights[k];
       }
-      // A floor of 1 % of the mean keeps the density positive for features between the sampled points.
+      // Lower bound of the weights, 1 % of the mean, which keeps the density positive for features between
+      // the sampled points.
       const double floor = sum > 0 ? 0.01 * sum / bins : 1.0;
       sum += floor * bins;
       double running = 0;

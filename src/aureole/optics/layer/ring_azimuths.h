@@ -23,8 +23,10 @@ public:
     float rings[3];
     double bins[3];
   };
-  static constexpr Layout kShapes{{4, 2, 1}, {4.5, 4.5, 4.5}};  ///< features some 2 wide
-  static constexpr Layout kSpots{{16, 4, 1}, {48, 12, 4.5}};    ///< spots of lattices, about a tenth wide
+  /// layout for shapes, whose features have a width of some 2
+  static constexpr Layout kShapes{{4, 2, 1}, {4.5, 4.5, 4.5}};
+  /// layout for lattices, whose spots have a width of about 0.1
+  static constexpr Layout kSpots{{16, 4, 1}, {48, 12, 4.5}};
 
   /// Tabulates rings up to `extent`; the last of them is used beyond. `f` is called from the threads of
   /// `parallel_for`.
@@ -77,10 +79,10 @@ public:
   std::size_t bytes() const { return cdf_.size() * sizeof(float) + rings_.size() * sizeof(Ring); }
 
 private:
-  RingAzimuths(double extent, const Layout& layout);  // without a distribution
+  RingAzimuths(double extent, const Layout& layout);  // makes an object without distributions
   struct Ring {
-    std::int32_t first;  ///< index of the first value in cdf_
-    float bins;          ///< a whole number
+    std::int32_t first;  ///< index of the ring's first value in cdf_
+    float bins;          ///< number of bins, a whole number
   };
   int ring_index(float u) const {
     u = u < 1e6f ? u : 1e6f;
@@ -100,7 +102,7 @@ private:
   /// changes
   float starts_[3];
   std::vector<Ring> rings_;
-  std::vector<float> cdf_;  ///< bins + 1 per ring, from 0 to 1
+  std::vector<float> cdf_;  ///< cumulative distribution: bins + 1 values per ring, from 0 to 1
 };
 
 }  // namespace aureole::optics

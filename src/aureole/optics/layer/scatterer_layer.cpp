@@ -44,7 +44,8 @@ double radial_intensity_integral(double size_ratio, double area_fraction) {
   };
   using Rule = boost::math::quadrature::gauss<double, 10>;
   double sum = 0;
-  // S' has a sharp peak near u = 3 at high area fractions and oscillates with period pi beyond.
+  // The integration has fine steps, since S' has a sharp peak near u = 3 at high area fractions and
+  // oscillates with period pi beyond.
   for (int i = 0; i < 128; ++i) sum += Rule::integrate(change, i / 8.0, (i + 1) / 8.0);
   for (int i = 16; i < 400; ++i) sum += Rule::integrate(change, double(i), double(i + 1));
   return 2 / (size_ratio * size_ratio) + sum;
@@ -55,7 +56,8 @@ ScattererLayer::ScattererLayer(double shape_radius, double correlation_radius, d
       correlation_radius_(checked_radius(correlation_radius, "correlation radius")),
       area_fraction_(area_fraction) {
   const double ratio = shape_radius / correlation_radius;
-  // J relative to its Poisson value, so that the normalisation of an empty layer is the limit instead of 0/0.
+  // Integral of J relative to its Poisson value, so that the normalisation of an empty layer is a limit
+  // instead of 0/0.
   const double relative_total = 0.5 * ratio * ratio * radial_intensity_integral(ratio, area_fraction);
   shape_fraction_ = area_fraction * ratio * ratio;
   total_ = shape_fraction_ * relative_total;

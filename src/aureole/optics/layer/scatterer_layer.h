@@ -11,7 +11,7 @@
 
 namespace aureole::optics {
 
-/// Smallest shape_radius/correlation_radius: for smaller ones tables would end before the shape's transform
+/// Smallest shape_radius/correlation_radius: for smaller ratios tables would end before the shape's transform
 /// decays.
 inline constexpr double kMinSizeRatio = 1.0 / 64;
 

@@ -22,7 +22,7 @@ ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
   ShapeRing sum{};
   visit_half_ring(q, n, [&](double qx, double qy) {
     const std::complex<double> f = shape.transform(qx, qy);
-    sum.amplitude += f.real();  // the other half of the ring has the conjugates
+    sum.amplitude += f.real();  // the other half of the ring has the conjugate values
     sum.intensity += std::norm(f);
   });
   return {sum.amplitude / n, sum.intensity / n};
@@ -32,8 +32,8 @@ ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
 
 struct ScattererMixture::Part {
   Scatterer scatterer;
-  double unit;     ///< 1/correlation radius
-  bool isotropic;  ///< circular, or with random rotation
+  double unit;     ///< reciprocal of the correlation radius
+  bool isotropic;  ///< whether the shape is circular, or has random rotation
   double cosine = 1, sine = 0;
   /// Ring means of a shape without circular symmetry over w = |q| times its own radius, computed once.
   std::shared_ptr<const RadialFunction> amplitude, intensity;
@@ -67,9 +67,9 @@ struct ScattererMixture::Part {
     for (std::size_t i = 0; i < scatterer.sizes.nodes().size(); ++i) {
       const auto [size, weight] = scatterer.sizes.nodes()[i];
       std::complex<double>& amplitude_sum = amplitude_sums[classes.empty() ? 0 : classes[i]];
-      // F of a shape scaled by s is s^2 F(s q).
+      // The transform of a shape scaled by s is s^2 F(s q).
       const double scale = size * unit, factor = size * size * unit * unit, p = weight * scatterer.fraction;
-      // q in the shape's own unit: u/a times the relative size.
+      // The wave vector q in the shape's own unit: u/a times the relative size.
       const double qx = ux * scale, qy = uy * scale;
       if (amplitude) {
         const double area = shape.area() * factor;
@@ -170,7 +170,7 @@ double ScattererMixture::independent_ring(double u) const {
 void ScattererMixture::correlate_sizes(
     double area_fraction,
     const std::function<std::shared_ptr<const PartialStructureFactors>(const HardDiscMixture&)>& structure) {
-  // All sizes in increasing order, grouped into classes of about equal numbers of scatterers.
+  // Sizes of all shapes in increasing order, grouped into classes of about equal numbers of scatterers.
   struct Size {
     double radius, weight;
     Part* part;
@@ -211,11 +211,13 @@ void ScattererMixture::correlate_sizes(
 }
 
 double correlation_power(const std::function<double(double)>& f) {
-  // C falls as u^-3 and S' - 1 as u^-1.5: less than 1e-6 of the integral is beyond 400.
+  // Part of the integrand that correlation changes: C falls as u^-3 and S' - 1 as u^-1.5, so that less than
+  // 1e-6 of the integral is beyond 400.
   const auto change = [&](double u) { return f(u) * u; };
   using Rule = boost::math::quadrature::gauss<double, 10>;
   double sum = 0;
-  // S' has a sharp peak near u = 3 at high area fractions and oscillates with period pi beyond.
+  // The integration has fine steps, since S' has a sharp peak near u = 3 at high area fractions and
+  // oscillates with period pi beyond.
   for (int i = 0; i < 128; ++i) sum += Rule::integrate(change, i / 8.0, (i + 1) / 8.0);
   for (int i = 16; i < 400; ++i) sum += Rule::integrate(change, double(i), double(i + 1));
   return sum;

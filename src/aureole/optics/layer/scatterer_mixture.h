@@ -6,7 +6,8 @@
 //     J(q) = rho0 (U(q) + C(q) S'(q)),   C = |sum_m P_m <F_m>|^2,   U = sum_m P_m <|F_m|^2> - C,
 // with <> the mean over sizes and, for shapes with random rotation, over angles.
 //
-// Scale-free: lengths are relative to the correlation radius a, u = q a; U and C carry a^4.
+// Quantities are scale-free: lengths are relative to the correlation radius a, and u = q a; U and C carry
+// a^4.
 #pragma once
 
 #include <functional>
@@ -25,9 +26,9 @@ namespace aureole::optics {
 struct Scatterer {
   std::shared_ptr<const ApertureShape> shape;
   double fraction = 1;  ///< P_m
-  double rotation = 0;  ///< rad, counter-clockwise
+  double rotation = 0;  ///< rotation [rad], counter-clockwise
   bool random_rotation = false;
-  SizeDistribution sizes{};  ///< relative to the shape
+  SizeDistribution sizes{};  ///< distribution of sizes relative to the shape
 };
 
 /// The two parts of the intensity; both >= 0.
@@ -38,8 +39,9 @@ struct MixtureIntensity {
 
 class ScattererMixture {
 public:
-  /// Throws std::domain_error if fractions do not sum to 1, or if a shape is larger than the correlation
-  /// radius (in the unit of the shapes). Shapes with random rotation are tabulated by `parallel_for`.
+  /// Makes a mixture. Throws std::domain_error if fractions do not sum to 1, or if a shape is larger than the
+  /// correlation radius (in the unit of the shapes). Shapes with random rotation are tabulated by
+  /// `parallel_for`.
   ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius,
                    const ParallelFor& parallel_for = serial_for);
   ScattererMixture(const ScattererMixture&);
@@ -72,11 +74,11 @@ public:
   /// Returns the integral of U + C over the plane of u, divided by 2 pi.
   double total() const;
 
-  /// Returns Fr/Fa: the mean area of the shapes, sum P |A|, over that of their discs.
+  /// Returns Fr/Fa: the mean area of the shapes, sum P |A|, over the mean area of their discs.
   double covered_per_fraction() const { return mean_area_ / mean_disc_area_; }
-  /// Returns sum P |A|.
+  /// Returns the mean area of the shapes, sum P |A|.
   double mean_area() const { return mean_area_; }
-  /// Returns sum P integral of A^2.
+  /// Returns the mean of the squared transmittances, sum P integral of A^2.
   double mean_squared_area() const { return mean_squared_area_; }
 
 private:

@@ -14,10 +14,10 @@ namespace aureole::optics {
 
 class ScattererTable {
 public:
-  /// Tabulates up to |u| = `extent`. Beyond 4096 (240 for anisotropic mixtures) it is replaced by the ring
-  /// mean, which falls as u^-3. `anisotropic` is the structure factor of positions without circular symmetry,
-  /// or null; if given, azimuths follow U + C S'. `mixture` and `anisotropic` are evaluated on the threads of
-  /// `parallel_for`.
+  /// Tabulates U and C up to |u| = `extent`. Beyond 4096 (240 for anisotropic mixtures) they are replaced by
+  /// the ring mean, which falls as u^-3. `anisotropic` is the structure factor of positions without circular
+  /// symmetry, or null; if given, azimuths follow U + C S'. `mixture` and `anisotropic` are evaluated on the
+  /// threads of `parallel_for`.
   ScattererTable(const ScattererMixture& mixture, double extent,
                  std::shared_ptr<const StructureFactor> anisotropic = nullptr,
                  const ParallelFor& parallel_for = serial_for);
@@ -65,7 +65,7 @@ public:
 private:
   Pair envelope(float ux, float uy, float u) const;
 
-  RadialFunction uncorrelated_, coherent_;  // ring means
+  RadialFunction uncorrelated_, coherent_;  // ring means of U and C
   std::optional<IntensityMap> map_;
   std::optional<RingAzimuths> uncorrelated_azimuths_, coherent_azimuths_;
   std::optional<RadialFunction> product_;

@@ -37,7 +37,7 @@ double absorptance(double absorption, double distance) {
 
 double napierian_absorbance(double transmittance) {
   require_transmittance(transmittance);
-  return -std::log(transmittance) + 0.0;  // 0, not -0, for T = 1
+  return -std::log(transmittance) + 0.0;  // the sum with 0 returns 0, not -0, for T = 1
 }
 double decadic_absorbance(double transmittance) {
   require_transmittance(transmittance);
@@ -79,7 +79,7 @@ double absorption_of_molar(double molar, double concentration) {
 }
 double cross_section_of_molar(double molar) {
   require_not_negative(molar, "molar absorption coefficient");
-  return std::numbers::ln10 * 0.1 * molar / kAvogadro;  // 1 L/(mol cm) = 0.1 m^2/mol
+  return std::numbers::ln10 * 0.1 * molar / kAvogadro;  // the factor 0.1 converts 1 L/(mol cm) to m^2/mol
 }
 double absorption_of_mass(double specific, double concentration) {
   require_not_negative(specific, "mass-specific absorption coefficient");

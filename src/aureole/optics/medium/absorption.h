@@ -9,7 +9,7 @@
 
 namespace aureole::optics {
 
-inline constexpr double kAvogadro = 6.02214076e23;  ///< per mol
+inline constexpr double kAvogadro = 6.02214076e23;  ///< Avogadro's constant [1/mol]
 
 /// Returns the transmitted fraction over a `distance` (m), given sigma_a (1/m).
 double transmittance(double absorption, double distance);

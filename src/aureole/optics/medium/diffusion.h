@@ -9,10 +9,12 @@ namespace aureole::optics {
 struct DiffusionCoefficients {
   double reduced_scattering = 0;  ///< sigma_s' = sigma_s (1 - g)
   double transport = 0;           ///< sigma_tr = sigma_a + sigma_s'
-  double reduced_albedo = 1;      ///< sigma_s'/sigma_tr; 1 if that is 0/0
-  /// D = 1/(3 sigma_tr), m: the flux is -D times the gradient of the fluence. Infinite without a medium.
+  double reduced_albedo = 1;      ///< sigma_s'/sigma_tr; 1 where that quotient is 0/0
+  /// Diffusion coefficient D = 1/(3 sigma_tr), m: the flux is -D times the gradient of the fluence. Infinite
+  /// without a medium.
   double diffusion = 0;
-  double effective = 0;         ///< sqrt(3 sigma_a sigma_tr): fluence falls as exp(-effective r)/r
+  /// effective attenuation coefficient sqrt(3 sigma_a sigma_tr): fluence falls as exp(-effective r)/r
+  double effective = 0;
   double mean_free_path = 0;    ///< 1/(sigma_a + sigma_s)
   double transport_length = 0;  ///< 1/sigma_tr
 };

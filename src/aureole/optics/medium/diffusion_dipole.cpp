@@ -12,7 +12,7 @@ namespace aureole::optics {
 
 namespace {
 
-/// Returns A of the boundary condition that the fluence vanishes at 2 A D above the surface.
+/// Returns the factor A of the boundary condition that the fluence vanishes at 2 A D above the surface.
 double boundary_factor(double index) {
   if (!(index > 0)) throw std::domain_error("the index must be positive, got " + std::to_string(index));
   const double f = fresnel_diffuse_reflectance(1 / index);

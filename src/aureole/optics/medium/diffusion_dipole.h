@@ -10,14 +10,15 @@ namespace aureole::optics {
 
 class Dipole {
 public:
-  /// `index` is that of the half-space over that outside. A medium without scattering returns no light.
-  /// Throws std::domain_error if the medium has no extinction or the index is not positive.
+  /// `index` is the index of refraction of the half-space over the index outside. A medium without scattering
+  /// returns no light. Throws std::domain_error if the medium has no extinction or the index is not positive.
   Dipole(const DiffusionCoefficients& medium, double index);
 
-  double source_depth() const { return source_; }  ///< 1/sigma_tr
+  double source_depth() const { return source_; }  ///< depth of the source, 1/sigma_tr
   double image_height() const { return image_; }   ///< height of the source's mirror image above the surface
-  double effective() const { return effective_; }  ///< sqrt(3 sigma_a sigma_tr), 1/m
-  double albedo() const { return albedo_; }        ///< reduced albedo
+  /// effective attenuation coefficient sqrt(3 sigma_a sigma_tr), 1/m
+  double effective() const { return effective_; }
+  double albedo() const { return albedo_; }  ///< reduced albedo
 
   /// Returns the power per area (1/m^2) that leaves at a distance from the beam, for 1 W that has entered.
   double profile(double distance) const;
@@ -34,7 +35,7 @@ private:
 double dipole_reflectance(double reduced_albedo, double index);
 
 /// Returns the reduced albedo at which `dipole_reflectance` is `reflectance`. Throws std::domain_error unless
-/// that is in [0, 1].
+/// `reflectance` is in [0, 1].
 double dipole_albedo(double reflectance, double index);
 
 }  // namespace aureole::optics

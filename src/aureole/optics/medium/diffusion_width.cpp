@@ -12,7 +12,7 @@ namespace aureole::optics {
 
 namespace {
 
-/// The nodes of the table in 1 - albedo.
+/// Nodes of the table in 1 - albedo.
 constexpr std::array kLosses = {0.7, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001};
 constexpr std::array kIndices = {1.0, 1.25, 1.5, 2.0};
 constexpr double kScales[kIndices.size()][kLosses.size()] = {

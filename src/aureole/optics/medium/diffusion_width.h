@@ -12,12 +12,12 @@ namespace aureole::optics {
 
 /// The scale s as a function of the half-space's reflectance. It is fitted to Monte Carlo transport with
 /// isotropic scattering such that the least fraction of the light leaves at a wrong distance
-/// (tests/bssrdf/width_fit_test.cpp prints the numbers). The published formula is for equal indices. This one
-/// depends on the index, by which internal reflection increases the spread.
+/// (tests/bssrdf/width_fit_test.cpp prints the numbers). The published formula is for equal indices. The fit
+/// depends on the index, since internal reflection increases the spread.
 class DiffusionWidth {
 public:
-  /// `index` is that of the half-space over that outside, clamped to [1, 2]. Throws std::domain_error unless
-  /// it is positive.
+  /// `index` is the index of refraction of the half-space over the index outside, clamped to [1, 2]. Throws
+  /// std::domain_error unless it is positive.
   DiffusionWidth(double index, Illumination illumination);
 
   double scale(double reflectance) const;
@@ -26,7 +26,7 @@ private:
   std::vector<double> reflectance_, scale_;
 };
 
-/// Returns s of Christensen & Burley 2015, for a beam along the normal or for diffuse light.
+/// Returns the scale s of Christensen & Burley 2015, for a beam along the normal or for diffuse light.
 double published_diffusion_scale(double reflectance, Illumination illumination);
 
 }  // namespace aureole::optics

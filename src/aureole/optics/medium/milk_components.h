@@ -9,7 +9,7 @@ namespace aureole::optics {
 struct MilkComponents {
   double lambda_nm;
   double water_index;
-  double fat_index, fat_absorption_index;  ///< the latter times 1e6
+  double fat_index, fat_absorption_index;  ///< real index of milk fat, and 1e6 times its imaginary index
   double riboflavin_absorbance;
 };
 /// Returns the rows, from 375 to 775 nm in steps of 25 nm.

@@ -43,9 +43,10 @@ SpectralFunction milk_fat_absorption_index() {
 /// Jensen, Marschner, Levoy & Hanrahan 2001 absorbs beyond water, riboflavin and fat. They measured 1.4, 2.5
 /// and 14.2 /m in the red, green and blue channel of a camera for skim milk, and 1.1, 2.4 and 14 /m for whole
 /// milk. The rest, 1.0, 2.3 and some 5 /m, falls exponentially with the wavelength. Milk of Narasimhan et al.
-/// 2006 absorbs up to twice as much in green light: this is how far milks and measurements differ.
+/// 2006 absorbs up to twice as much in green light, which shows how much milks and measurements differ.
 double milk_solids_absorption(double lambda_nm) {
-  constexpr double kAtGreen = 2.3, kGreen = 540, kDecay = 94;  // 1/m, nm, nm
+  // coefficient at 540 nm [1/m], that wavelength [nm], and the decay length [nm]
+  constexpr double kAtGreen = 2.3, kGreen = 540, kDecay = 94;
   return kAtGreen * std::exp((kGreen - lambda_nm) / kDecay);
 }
 
@@ -96,9 +97,9 @@ Suspension milk(const MilkRecipe& recipe) {
   require_range(recipe.fat, 0, 40, "fat content of milk", "% of the mass");
   require_range(recipe.protein, 0, 20, "protein content of milk", "% of the mass");
   require_range(recipe.pressure, 0, 200, "pressure of homogenisation", "MPa");
-  constexpr double kFatDensity = 915, kCaseinDensity = 1110, kMilkDensity = 1030;  // kg/m^3
+  constexpr double kFatDensity = 915, kCaseinDensity = 1110, kMilkDensity = 1030;  // densities [kg/m^3]
   constexpr double kVariation = 0.6, kCaseinInProtein = 0.76;
-  // 0.17 mg in 100 g (Fox & McSweeney 1998), converted to mol/L.
+  // Concentration of riboflavin: 0.17 mg in 100 g (Fox & McSweeney 1998), converted to mol/L.
   const double riboflavin = 0.17e-3 / kRiboflavinMolarMass / 0.1 * kMilkDensity * 1e-3;
   const ClearMedium pure = water();
   ClearMedium solvent = pure;

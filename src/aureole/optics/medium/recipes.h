@@ -15,12 +15,13 @@ namespace aureole::optics {
 /// follows from the fat content and the homogenisation pressure. Casein micelles, 76 % of the protein, are
 /// log-normal by volume in r/(150 nm - r). The water between contains riboflavin, and in proportion to the
 /// protein an absorber that the paper lacks; without it skim milk would be whiter than whole milk. Its
-/// spectrum is what measured milk absorbs beyond the known components (Jensen, Marschner, Levoy & Hanrahan, "A
-/// practical model for subsurface light transport", SIGGRAPH 2001, figure 5). The extinction coefficient of fat
-/// has no background.
+/// spectrum is the absorption of measured milk beyond the known components (Jensen, Marschner, Levoy &
+/// Hanrahan, "A practical model for subsurface light transport", SIGGRAPH 2001, figure 5). The extinction
+/// coefficient of fat has no background.
 struct MilkRecipe {
-  double fat = 3.0, protein = 3.4;  ///< % by mass; fat: skimmed 0.1, low-fat 1.5, whole 3.0
-  double pressure = 0;              ///< homogenisation pressure, MPa; 0: not homogenised
+  double fat = 3.0,
+         protein = 3.4;  ///< contents in per cent by mass; fat: skimmed 0.1, low-fat 1.5, whole 3.0
+  double pressure = 0;   ///< homogenisation pressure [MPa]; 0: not homogenised
   /// Whether micelles are correlated as hard spheres, which reduces the scattering of casein by 12 %; the
   /// paper neglects it.
   bool hard_spheres = false;
@@ -36,14 +37,14 @@ struct DropletRecipe {
   std::string_view name;
   double mode_radius;            ///< m
   double alpha, gamma;           ///< parameters of `RadiusDistribution::modified_gamma`
-  double number_density;         ///< per m^3
-  std::string_view description;  ///< includes its source
+  double number_density;         ///< number of droplets per m^3
+  std::string_view description;  ///< description, including the source
 };
 /// Returns the recipes "c1", "c2", "c3" (clouds of Deirmendjian 1969), "heavy_advection_fog",
 /// "moderate_advection_fog", "heavy_radiation_fog", "moderate_radiation_fog" (Shettle & Fenn 1979,
 /// AFGL-TR-79-0214).
 std::span<const DropletRecipe> droplet_recipes();
-/// Returns the suspension of a recipe; `number_density` replaces that of the recipe. Throws std::domain_error
+/// Returns the suspension of a recipe; `number_density` replaces the recipe's value. Throws std::domain_error
 /// for a density that is not positive and, with all names, for an unknown name.
 Suspension droplets(std::string_view name, std::optional<double> number_density = std::nullopt);
 

@@ -17,12 +17,14 @@ struct SingleScattering {
   static constexpr int kNodes = 12;
   std::array<double, kNodes> weights{}, rates{};
 
-  /// Computes the sum for a Henyey-Greenstein phase function with asymmetry g in (-1, 1); `index` is that of
-  /// the half-space over that outside. Throws std::domain_error if either is out of range.
+  /// Computes the sum for a Henyey-Greenstein phase function with asymmetry g in (-1, 1); `index` is the
+  /// index of refraction of the half-space over the index outside. Throws std::domain_error if either is out
+  /// of range.
   SingleScattering(double g, double index);
 
   double profile(double x) const;  ///< f
-  /// Returns the fraction of the entered light that leaves, over the single-scattering albedo.
+  /// Returns the fraction of the entered light that leaves after one scattering, over the single-scattering
+  /// albedo.
   double total() const;
 };
 

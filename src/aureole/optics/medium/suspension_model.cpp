@@ -57,8 +57,9 @@ private:
 Suspension::Suspension(ClearMedium host, std::vector<Ingredient> ingredients)
     : host_(std::move(host)), ingredients_(std::move(ingredients)) {
   if (!host_.index) throw std::domain_error("the medium around particles needs a refractive index");
-  // Volume fractions f = w rho/rho_particles of ingredients by mass depend on the total density rho. It
-  // solves rho = sum over the other ingredients of f rho_particles + rho sum w + (1 - sum f) rho_host.
+  // Volume fractions f = w rho/rho_particles of ingredients by mass depend on the total density rho. The
+  // total density solves rho = sum over the other ingredients of f rho_particles + rho sum w + (1 - sum f)
+  // rho_host.
   double by_mass = 0, specific_volume = 0, others = 0, others_mass = 0;
   for (const Ingredient& i : ingredients_) {
     const std::string name = i.name.empty() ? "particles" : i.name;

@@ -15,7 +15,7 @@ namespace aureole::optics {
 /// The amount of one kind of particles, relative to the whole medium including all particles.
 struct Amount {
   enum class Kind {
-    number,  ///< per m^3
+    number,  ///< number of particles per m^3
     volume,  ///< fraction of the volume
     mass     ///< fraction of the mass; needs densities
   };
@@ -24,17 +24,17 @@ struct Amount {
 };
 
 struct Ingredient {
-  std::string name;  ///< for messages
+  std::string name;  ///< name of the ingredient in messages
   std::shared_ptr<const ParticleKind> particles;
   RadiusDistribution radii;
   Amount amount;
-  double density = 0;  ///< of the particles' material, kg/m^3; 0: unknown
+  double density = 0;  ///< density of the particles' material [kg/m^3]; 0: unknown
   /// Whether positions are correlated as hard spheres (see `ParticlePopulation`).
   bool hard_spheres = false;
-  DataRange data = {};  ///< of the index of the particles
+  DataRange data = {};  ///< wavelengths over which the index of the particles was measured
 };
 
-/// Coefficients and phase functions over wavelengths.
+/// Coefficients and phase functions of a medium over wavelengths.
 struct MediumSpectrum {
   /// Coefficients of host and particles together, at increasing wavelengths.
   std::vector<EnsembleCoefficients> coefficients;
@@ -51,12 +51,11 @@ public:
 
   const ClearMedium& host() const { return host_; }
   const std::vector<Ingredient>& ingredients() const { return ingredients_; }
-  double number_density(std::size_t ingredient) const {
-    return populations_[ingredient].number_density;
-  }  ///< per m^3
+  /// Returns the number of particles of an ingredient per m^3.
+  double number_density(std::size_t ingredient) const { return populations_[ingredient].number_density; }
   double volume_fraction(std::size_t ingredient) const { return populations_[ingredient].volume_fraction(); }
-  double volume_fraction() const;  ///< of all particles
-  /// Returns the density in kg/m^3; 0 if that of a component is unknown.
+  double volume_fraction() const;  ///< Returns the volume fraction of all particles.
+  /// Returns the density in kg/m^3; 0 if the density of a component is unknown.
   double density() const;
   /// Returns the real index of the host; the particles' contribution to refraction is neglected.
   double index(double lambda_nm) const { return host_.index(lambda_nm); }

@@ -27,7 +27,7 @@ void check_index(Complex m, const char* part) {
 std::vector<Complex> outgoing_derivatives(Complex z, const std::vector<Complex>& psi) {
   std::vector<Complex> d(psi.size());
   d[0] = kI;
-  Complex product = 0.5 * (1.0 - std::exp(2.0 * kI * z));  // psi_0 zeta_0
+  Complex product = 0.5 * (1.0 - std::exp(2.0 * kI * z));  // product psi_0 zeta_0
   for (std::size_t n = 1; n < psi.size(); ++n) {
     const Complex ratio = double(n) / z;
     product *= (ratio - psi[n - 1]) * (ratio - d[n - 1]);
@@ -55,7 +55,7 @@ CoatedMie::CoatedMie(double core_x, double x, Complex core, Complex coat) : Part
   const auto inner_zeta = outgoing_derivatives(inner, inner_psi);
   const auto outer_zeta = outgoing_derivatives(outer, outer_psi);
 
-  // ratio: psi_n(inner)/zeta_n(inner) over psi_n(outer)/zeta_n(outer) (Yang 2003, equations 32 to 34).
+  // The ratio of psi_n(inner)/zeta_n(inner) to psi_n(outer)/zeta_n(outer) (Yang 2003, equations 32 to 34).
   std::vector<Complex> electric(count + 1), magnetic(count + 1);
   Complex ratio = std::exp(-2 * (outer.imag() - inner.imag())) *
                   (std::exp(-2.0 * kI * inner.real()) - std::exp(-2 * inner.imag())) /

@@ -14,14 +14,15 @@
 namespace aureole::optics {
 namespace {
 
-constexpr std::size_t kChunk =
-    16;  ///< radii that one task sums; fixed, so that results do not depend on threads
+/// radii that one task sums; fixed, so that results do not depend on threads
+constexpr std::size_t kChunk = 16;
 /// Nodes per unit of 2 pi radius n/lambda, and per unit of ln(radius), of the first grid.
 constexpr double kPerSize = 1 / 1.2, kPerLog = 8;
 
 double wave_number(double lambda_nm, double host) { return 2 * kPi * host / (lambda_nm * 1e-9); }
 
-/// Returns the cosines of the probes in front of the particle; those behind it are their negatives.
+/// Returns the cosines of the probes in front of the particle; the probes behind it have the negative
+/// cosines.
 std::vector<double> front_probes() {
   std::vector<double> mu;
   for (const double degrees :
@@ -95,16 +96,18 @@ void add_differential(const ParticlePopulation& population, std::span<const Radi
 
 /// Averages over radii of one population at one wavelength, per particle.
 struct Ensemble::Average {
-  double absorption = 0, scattering = 0, cosine = 0;  // cosine: scattering times asymmetry
+  double absorption = 0, scattering = 0,
+         cosine = 0;  // cross sections; `cosine` is scattering times asymmetry
   double extinction() const { return absorption + scattering; }
-  std::size_t radii = 0;                           // number of the nodes of these sums
-  std::vector<double> at, mirrored;                // differential cross section at the probes
-  double last_change = 0;                          // of the absorption in the last round, absolute
-  double last_scattering_change = 0;               // of the scattering
-  std::vector<double> at_change, mirrored_change;  // of `at` and `mirrored`, absolute, in the last round
+  std::size_t radii = 0;              // number of nodes of these sums
+  std::vector<double> at, mirrored;   // differential cross section at the probes
+  double last_change = 0;             // absolute change of the absorption in the last round
+  double last_scattering_change = 0;  // change of the scattering in the last round
+  // absolute changes of `at` and `mirrored` in the last round
+  std::vector<double> at_change, mirrored_change;
   bool done = false, converged = false;
-  std::vector<RadiusNode> nodes;                 // of the phase function
-  double correlated = 0, correlated_cosine = 0;  // scattering and cosine with structure factors
+  std::vector<RadiusNode> nodes;                 // nodes of the phase function
+  double correlated = 0, correlated_cosine = 0;  // scattering and cosine including structure factors
 
   /// Sets the changes since the round before, if there was one.
   void compare_with(const Average& before) {
@@ -171,7 +174,7 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
     c.asymmetry = c.scattering > 0 ? cosine / c.scattering : 0;
     c.independent_asymmetry =
         c.independent_scattering > 0 ? independent_cosine / c.independent_scattering : 0;
-    // The values in front, and those behind in reverse order, as in `probes`.
+    // Values at the probes in front, and behind in reverse order, as in `probes`.
     const auto at_probes = [&](auto front, auto behind) {
       std::vector<double> all;
       for (const auto part : {front, behind}) {
@@ -219,7 +222,8 @@ std::vector<Ensemble::Average> Ensemble::sum_over(std::span<const std::vector<Ra
             const RadiusNode& node = nodes[task.average][i];
             const auto particle = populations_[task.average % kinds].kind->make(
                 node.radius, lambda_nm_[task.average / kinds], host_[task.average / kinds]);
-            // With phase functions the absorption serves no result; its closed form is left out.
+            // The closed form of the absorption is left out where phase functions are computed, since no
+            // result uses it there.
             const ParticleKind& kind = *populations_[task.average % kinds].kind;
             sum.absorption +=
                 node.weight *
@@ -364,8 +368,9 @@ void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& para
           const double x = k * nodes.back().radius;
           const int half = std::min(2000, 24 + int(2 * x));
           const Quadrature q = gauss_legendre(2 * half);
-          const std::span<const double> mu(q.x.data(), half);  // nodes in [0, 1]; each also represents -mu
-          // The integrals of the differential cross section and of its product with mu.
+          // nodes in [0, 1]; each also represents its negative
+          const std::span<const double> mu(q.x.data(), half);
+          // Returns the integrals of the differential cross section and of its product with mu.
           const auto integrals = [&](const ParticlePopulation& p) {
             std::vector<double> at(half, 0), mirrored(half, 0);
             add_differential(p, nodes, lambda, host, mu, at, mirrored);
@@ -382,7 +387,7 @@ void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& para
           const auto [without, cosine_without] = integrals(independent);
           if (!(without > 0)) continue;
           a.correlated *= with / without;
-          // The mean cosine may be 0: its change is added.
+          // The change is added instead of multiplied, since the mean cosine may be 0.
           a.correlated_cosine += a.scattering * (cosine_with - cosine_without) / without;
         }
       },
@@ -399,9 +404,9 @@ std::vector<double> Ensemble::differential(std::size_t wavelength, std::span<con
 
 namespace {
 
-/// Estimates the progress of an adaptive refinement, whose number of later angles is unknown. It is first
-/// assumed to be 1.2 times that of the present round, then less and less (fitted to spheres of 2 to 60 um at
-/// 360 to 830 nm).
+/// Estimates the progress of an adaptive refinement, whose number of later angles is unknown. That number is
+/// first assumed to be 1.2 times the number of the present round, then less and less (fitted to spheres of 2
+/// to 60 um at 360 to 830 nm).
 class RoundProgress {
 public:
   RoundProgress(const TellProgress& tell, std::size_t tasks) : tell_(tell), tasks_(double(tasks)) {}

@@ -20,7 +20,7 @@ namespace aureole::optics {
 struct ParticlePopulation {
   std::shared_ptr<const ParticleKind> kind;
   RadiusDistribution radii;
-  double number_density = 1;  ///< per m^3
+  double number_density = 1;  ///< number of particles per m^3
 
   /// Returns the fraction of the total volume that the particles fill.
   double volume_fraction() const { return number_density * radii.mean_volume(); }
@@ -42,8 +42,8 @@ struct EnsembleAccuracy {
   /// The remaining error is about a third of it.
   double phase_averaging = 1e-2;
   /// Upper bounds of the number of radii per population and wavelength, for phase functions and for
-  /// coefficients. If the latter are reached, `converged` is false. With `most_coefficient_radii` at 0 the
-  /// coefficients are those of the radii of the phase function.
+  /// coefficients. Where the bound for coefficients is reached, `converged` is false. With
+  /// `most_coefficient_radii` at 0 the coefficients are those of the radii of the phase function.
   std::size_t most_radii = 16384, most_coefficient_radii = 16384;
   PhaseAccuracy phase;
 };
@@ -52,13 +52,13 @@ struct EnsembleAccuracy {
 struct EnsembleCoefficients {
   double lambda_nm = 0;
   double absorption = 0, scattering = 0;
-  double asymmetry = 0;               ///< 0 if nothing is scattered
+  double asymmetry = 0;               ///< mean cosine of the scattering angle; 0 if nothing is scattered
   double independent_scattering = 0;  ///< `scattering` without structure factors
   double independent_asymmetry = 0;   ///< `asymmetry` without structure factors
   std::size_t radii = 0;              ///< number of radii of the phase function
   std::size_t coefficient_radii = 0;  ///< number of radii of the coefficients
   bool converged = true;              ///< whether the coefficients have the requested accuracy
-  bool phase_converged = true;        ///< whether the phase function has it
+  bool phase_converged = true;        ///< whether the phase function has the requested accuracy
   /// Phase function at `Ensemble::probes`, 1/sr, without structure factors; empty if nothing is scattered.
   std::vector<double> phase = {};
   /// Estimated errors of the averages over radii: the changes by the last increase of their number; 0 for
@@ -76,10 +76,10 @@ using TellProgress = std::function<void(double part)>;
 
 class Ensemble {
 public:
-  /// `host` is the real index of the medium around the particles. Computes the averages over radii at each of
-  /// `lambda_nm`. For a single population with number density 1, coefficients are mean cross sections. Throws
-  /// std::domain_error if a wavelength, an index or a number density is not positive, or if hard spheres do
-  /// not fit.
+  /// Computes the averages over radii; `host` is the real index of the medium around the particles. The
+  /// averages are taken over radii at each of `lambda_nm`. For a single population with number density 1,
+  /// coefficients are mean cross sections. Throws std::domain_error if a wavelength, an index or a number
+  /// density is not positive, or if hard spheres do not fit.
   Ensemble(std::vector<ParticlePopulation> populations, std::vector<double> lambda_nm,
            const SpectralFunction& host, const EnsembleAccuracy& accuracy = {},
            const ParallelFor& parallel_for = serial_for);
@@ -112,7 +112,8 @@ private:
   std::vector<double> lambda_nm_, host_;
   EnsembleAccuracy accuracy_;
   std::vector<EnsembleCoefficients> coefficients_;
-  std::vector<std::vector<RadiusNode>> nodes_;  ///< of populations within wavelengths; weights are per m^3
+  /// nodes of the populations for each wavelength; weights are per m^3
+  std::vector<std::vector<RadiusNode>> nodes_;
 };
 
 /// Factors by which the interference of hard spheres changes a population's scattering coefficient and its

@@ -43,7 +43,7 @@ double fit_henyey_greenstein(const PhaseTable& phase) { return phase.asymmetry()
 DoubleHenyeyGreenstein fit_double_henyey_greenstein(const PhaseTable& phase) {
   const double m1 = phase.legendre(1), m2 = phase.legendre(2), m3 = phase.legendre(3);
   if (const auto fit = by_moments(m1, m2, m3)) return *fit;
-  // Search both g on successively finer grids around the best pair; the share follows from m1.
+  // The search for both g uses successively finer grids around the best pair; the share follows from m1.
   DoubleHenyeyGreenstein best{1, m1, m1};
   const auto error = [&](const DoubleHenyeyGreenstein& f) {
     const double e2 = f.share * f.g1 * f.g1 + (1 - f.share) * f.g2 * f.g2 - m2;

@@ -14,7 +14,7 @@ void PartialWaves::match(std::span<const Complex> electric, std::span<const Comp
   const auto psi = riccati_bessel(x_, count);
   a_.resize(count), b_.resize(count), terms_.resize(count);
   const double per_x = 1 / x_;
-  double chi_before = -std::sin(x_), chi = std::cos(x_);  // chi_(-1), chi_0; xi = psi - i chi
+  double chi_before = -std::sin(x_), chi = std::cos(x_);  // chi_(-1) and chi_0 of xi = psi - i chi
   for (int n = 1; n <= count; ++n) {
     const double next = (2 * n - 1) * per_x * chi - chi_before;
     chi_before = chi, chi = next;
@@ -52,7 +52,7 @@ void PartialWaves::find_efficiencies() {
   }
   const double x2 = x_ * x_;
   extinction_ = 2 / x2 * extinction;
-  // Rounding errors must not make scattering exceed extinction.
+  // The bound keeps rounding errors from making scattering exceed extinction.
   scattering_ = std::min(2 / x2 * scattering, extinction_ > 0 ? extinction_ : 0);
   extinction_ = std::max(extinction_, 0.0);
   backscattering_ = std::norm(backward) / x2;
@@ -71,8 +71,8 @@ double absorbed(Complex a) { return std::max(a.real() - std::norm(a), 0.0); }
 /// of a are A and A + i C). A weak absorption gives u = v/A^2 with a smooth v. At a resonance C runs through 0 while
 /// A is small, so that its width in the size, (1 + u) over the slope of c, may be tiny. C, A and v are taken as linear
 /// in the distance t: c = (p + q t)/(1 + r t). The root of C is the resonance; in its neighbourhood u and the slope
-/// of c are constant and the mean has a closed form. Elsewhere the value at 0 is the mean: where there is no narrow
-/// resonance near by, or where A changes much on the way to it.
+/// of c are constant and the mean has a closed form. Where there is no narrow resonance nearby, or where A
+/// changes much between 0 and the resonance, the mean is approximated by the value at 0.
 double mean_absorbed(Complex before, Complex a, Complex after, double d, double h) {
   constexpr double kReach = 6, kMostChange = 1.5, kNarrow = 0.3;
   const double middle = absorbed(a);
@@ -154,7 +154,7 @@ void PartialWaves::intensities(std::span<const double> mu, std::span<double> at,
   // At -mu, p and m are exchanged, with the sign (-1)^(n - 1).
   struct Step {
     double sum_r, sum_i, difference_r, difference_i;
-    double forward, back;  // pi_(n+1) = forward mu pi_n - back pi_(n-1)
+    double forward, back;  // coefficients of pi_(n+1) = forward mu pi_n - back pi_(n-1)
   };
   std::vector<Step> steps(terms_.size());
   for (std::size_t k = 0; k < terms_.size(); ++k) {

@@ -22,8 +22,8 @@ class PartialWaves {
 public:
   /// Returns the size parameter 2 pi radius n_medium/lambda.
   double size() const { return x_; }
-  /// Efficiencies: cross sections over pi radius^2. Backscattering is 4 pi times the differential cross
-  /// section (radar convention).
+  /// Efficiencies: cross sections over pi radius^2. The efficiency of backscattering is 4 pi times the
+  /// differential one (radar convention).
   double extinction() const { return extinction_; }
   double scattering() const { return scattering_; }
   double backscattering() const { return backscattering_; }
@@ -46,10 +46,10 @@ public:
   /// All spans have one size. The cost is some 3 clock cycles per term (x + 4 x^(1/3)) and pair of angles.
   void amplitudes(std::span<const double> mu, std::span<MieAmplitudes> at,
                   std::span<MieAmplitudes> mirrored = {}) const;
-  /// Computes only `MieAmplitudes::intensity()`, in half the time.
+  /// Computes only `MieAmplitudes::intensity()`, in half the time of `amplitudes`.
   void intensities(std::span<const double> mu, std::span<double> at, std::span<double> mirrored = {}) const;
 
-  const std::vector<std::complex<double>>& a() const { return a_; }  ///< a()[n - 1] is a_n
+  const std::vector<std::complex<double>>& a() const { return a_; }  ///< coefficients: a()[n - 1] is a_n
   const std::vector<std::complex<double>>& b() const { return b_; }
 
 protected:

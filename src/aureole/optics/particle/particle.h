@@ -24,13 +24,13 @@ class Particle {
 public:
   virtual ~Particle() = default;
 
-  virtual double extinction() const = 0;  ///< cross section, m^2
-  virtual double scattering() const = 0;  ///< cross section, m^2
+  virtual double extinction() const = 0;  ///< extinction cross section [m^2]
+  virtual double scattering() const = 0;  ///< scattering cross section [m^2]
   double absorption() const { return extinction() - scattering(); }
   virtual double geometric() const = 0;  ///< geometric cross section, m^2
   /// Returns the absorption cross section, m^2, averaged over radii that differ from this one by up to the
-  /// fraction `half_width`; narrow resonances in between count. `below` and `above` are particles of the same
-  /// kind whose radii differ by the same small fraction, such as 1e-5.
+  /// fraction `half_width`; narrow resonances within that range are included. `below` and `above` are
+  /// particles of the same kind whose radii differ by the same small fraction, such as 1e-5.
   virtual double mean_absorption(const Particle& /*below*/, const Particle& /*above*/,
                                  double /*half_width*/) const {
     return absorption();
@@ -63,22 +63,22 @@ public:
   /// outside the range of the theory.
   virtual std::unique_ptr<const Particle> make(double radius, double lambda_nm, double host) const = 0;
   /// Estimates the absorption cross section, m^2, of a particle of the outer `radius` (m): rays pass it
-  /// straight, without refraction, on its mean chord. Absorption over this estimate varies less with the
-  /// wavelength than absorption alone, since what absorbs varies with both.
+  /// straight, without refraction, on its mean chord. The ratio of absorption to this estimate varies less
+  /// with the wavelength than absorption alone, since both follow the absorption of the material.
   virtual double straight_absorption(double /*radius*/, double /*lambda_nm*/) const { return 0; }
 };
 
-/// Homogeneous spheres (Mie theory).
+/// Makes homogeneous spheres (Mie theory).
 std::shared_ptr<const ParticleKind> sphere_kind(IndexFunction index);
 
-/// Spheres with a coat; the core's radius is `core_fraction` in (0, 1) times the outer radius.
+/// Makes spheres with a coat; the core's radius is `core_fraction` in (0, 1) times the outer radius.
 std::shared_ptr<const ParticleKind> coated_sphere_kind(IndexFunction core, IndexFunction coat,
                                                        double core_fraction);
-/// Spheres with a coat of fixed `thickness` in m; particles not larger than that consist of coat alone.
+/// Makes spheres with a coat of fixed `thickness` in m; particles not larger than that consist of coat alone.
 std::shared_ptr<const ParticleKind> thin_coated_sphere_kind(IndexFunction core, IndexFunction coat,
                                                             double thickness);
 
-/// Spheres much smaller than the wavelength (`RayleighSphere`), whatever their size.
+/// Makes spheres much smaller than the wavelength (`RayleighSphere`), whatever their size.
 std::shared_ptr<const ParticleKind> rayleigh_kind(IndexFunction index, double depolarization = 0);
 
 }  // namespace aureole::optics

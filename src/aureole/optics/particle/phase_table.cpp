@@ -63,7 +63,7 @@ double PhaseTable::sample(std::span<const double> cdf, double u) const {
   const std::size_t i =
       std::clamp<std::size_t>(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin(), 1, mu.size() - 1);
   const double width = mu[i] - mu[i - 1], share = (u - cdf[i - 1]) / (cdf[i] - cdf[i - 1]);
-  // The root of the quadratic cumulative distribution, in the form without cancellation.
+  // Root of the quadratic cumulative distribution, in the form without cancellation.
   const double a = p[i - 1], b = p[i], root = std::sqrt(std::max(0.0, a * a + share * (b * b - a * a)));
   const double t = a + root > 0 ? share * (a + b) / (a + root) : share;
   return mu[i - 1] + std::clamp(t, 0.0, 1.0) * width;
@@ -74,7 +74,7 @@ PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, d
   // Columns are indexed by the angle from the nearer pole, which serves both hemispheres.
   struct Column {
     std::vector<double> front, back;
-    bool is_node = false;  // otherwise the midpoint of a step, evaluated but not yet needed as a node
+    bool is_node = false;  // whether the column is a node; otherwise it is the evaluated midpoint of a step
   };
   std::map<double, Column> columns;
   std::vector<std::vector<double>> at(count), mirrored(count);
@@ -136,7 +136,7 @@ PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, d
     std::vector<Step> next;
     for (const Step& s : open) {
       const Column &a = columns[s.low], &b = columns[s.high], &c = columns[s.middle()];
-      // (cos(low) - cos(middle))/(cos(low) - cos(high)) without cancellation.
+      // Fraction (cos(low) - cos(middle))/(cos(low) - cos(high)), without cancellation.
       const double quarter = 0.25 * (s.high - s.low),
                    t = std::sin(s.low + quarter) * std::sin(quarter) /
                        (std::sin(s.low + 2 * quarter) * std::sin(2 * quarter));

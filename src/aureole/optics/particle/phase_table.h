@@ -12,8 +12,8 @@ namespace aureole::optics {
 
 /// Phase function p in 1/sr, linear in mu between the nodes, so that integrals and samples are exact.
 struct PhaseTable {
-  std::vector<double> mu;  ///< increasing, from -1 to 1
-  std::vector<double> p;   ///< >= 0
+  std::vector<double> mu;  ///< cosines of the scattering angle, increasing from -1 to 1
+  std::vector<double> p;   ///< phase function at the nodes [1/sr], not negative
 
   /// Returns p; mu is clamped to [-1, 1].
   double eval(double mu) const;
@@ -24,7 +24,7 @@ struct PhaseTable {
   double asymmetry() const { return legendre(1); }
   /// Returns the cumulative distribution at each mu, from 0 to 1.
   std::vector<double> cdf() const;
-  /// Returns the mu at which `cdf`, that of this table, is u in [0, 1].
+  /// Returns the mu at which the cumulative distribution `cdf` of this table is u in [0, 1].
   double sample(std::span<const double> cdf, double u) const;
 };
 
@@ -37,7 +37,7 @@ struct PhaseAccuracy {
 };
 
 struct PhaseTables {
-  std::vector<PhaseTable> tables;  ///< all with the same mu, each normalised
+  std::vector<PhaseTable> tables;  ///< tables with equal mu, each normalised
   std::vector<double> integrals;   ///< integrals over the sphere before normalisation
   double error = 0;  ///< largest remaining relative error; above `relative` if the nodes were exhausted
 };

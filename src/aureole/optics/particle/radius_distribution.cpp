@@ -72,7 +72,7 @@ RadiusDistribution RadiusDistribution::log_normal_of_mean(double mean, double va
   return log_normal(mean * std::exp(-0.5 * s2), std::sqrt(s2), by);
 }
 
-/// The distribution r^alpha exp(-rate r^gamma).
+/// Makes the distribution r^alpha exp(-rate r^gamma).
 RadiusDistribution RadiusDistribution::power_exponential(double alpha, double gamma, double rate) {
   // In units of `scale` the exponential is exp(-t^gamma), so that no power of a radius overflows.
   const double scale = std::pow(rate, -1 / gamma);
@@ -116,10 +116,11 @@ RadiusDistribution RadiusDistribution::modified_gamma(double mode_radius, double
 
 namespace {
 
-/// Throws std::domain_error for lengths that are invalid or do not increase, and for weights that are.
+/// Throws std::domain_error for lengths that are invalid or do not increase, and for invalid weights.
 void check_classes(std::span<const double> lengths, std::span<const double> weights) {
   double total = 0;
-  constexpr std::size_t kMaxClasses = 1000;  // each is at least one size, of which Mie's series is summed
+  // upper bound of the number of classes: Mie's series is summed for at least one size of each
+  constexpr std::size_t kMaxClasses = 1000;
   require(lengths.size() <= kMaxClasses, "a histogram of radii has at most 1000 classes",
           double(lengths.size()));
   for (std::size_t i = 0; i < lengths.size(); ++i) {
@@ -158,7 +159,7 @@ RadiusDistribution RadiusDistribution::histogram(std::span<const double> edges,
   }
   require(total > 0 && std::isfinite(total), "the number of particles in a histogram is not finite", total);
   for (Interval& c : d.intervals_) c.weight /= total;
-  // Of classes with next to nothing in them, whose weights may underflow, nothing is left.
+  // Classes with negligible contents, whose weights may underflow, are removed.
   std::erase_if(d.intervals_, [](const Interval& c) { return !(c.weight > 0); });
   d.moment_ = [=, intervals = d.intervals_](double power) {
     double sum = 0;
@@ -190,7 +191,7 @@ RadiusDistribution RadiusDistribution::of_density(const std::function<double(dou
   require_length(smallest, "smallest radius");
   require_length(largest, "largest radius");
   require(largest > smallest, "largest radius must exceed the smallest", largest);
-  // Sums over equal steps of ln(r), far more of them than a plotted table would need.
+  // Tabulates over equal steps of ln(r), far more than a plotted table would need.
   constexpr int kSteps = 8192;
   const double step = std::log(largest / smallest) / kSteps;
   std::vector<RadiusNode> table;

@@ -39,7 +39,7 @@ public:
   static RadiusDistribution modified_gamma(double mode_radius, double alpha, double gamma);
 
   /// A histogram: classes between neighbouring `edges`, which increase, and the number or volume of particles in each,
-  /// in any unit. Within a class the quantity is spread evenly over ln(radius).
+  /// in any unit. Within a class the quantity is uniform in ln(radius).
   static RadiusDistribution histogram(std::span<const double> edges, std::span<const double> weights,
                                       SizeWeighting by = SizeWeighting::number);
   /// A histogram of classes given by increasing radii within them. Neighbours meet at the geometric mean of their
@@ -76,16 +76,17 @@ public:
 
 private:
   struct Interval {
-    double low, high, weight;  // fraction of the number; 0: given by `density_`
+    // bounds of an interval, and its fraction of the number of particles; 0: given by `density_`
+    double low, high, weight;
   };
   RadiusDistribution() = default;
   static RadiusDistribution power_exponential(double alpha, double gamma, double rate);
 
   bool single_ = false;
   std::vector<Interval> intervals_;
-  double class_power_ =
-      0;  ///< within an interval with a weight, the density is proportional to radius^class_power_
-  std::function<double(double)> density_;  ///< per m, integral 1
+  /// exponent of the radius to which the density is proportional within an interval with a weight
+  double class_power_ = 0;
+  std::function<double(double)> density_;  ///< density per m, with integral 1
   std::function<double(double)> moment_;
 };
 

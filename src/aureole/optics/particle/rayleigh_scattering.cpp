@@ -58,7 +58,7 @@ void RayleighSphere::differential(std::span<const double> mu, std::span<double> 
 }
 
 double air_refractivity(double lambda_nm) {
-  const double s2 = 1e6 / (lambda_nm * lambda_nm);  // 1/um^2
+  const double s2 = 1e6 / (lambda_nm * lambda_nm);  // squared wavenumber [1/um^2]
   return 1e-8 * (8060.51 + 2480990 / (132.274 - s2) + 17455.7 / (39.32957 - s2));
 }
 

@@ -27,8 +27,8 @@ double king_factor(double rho);
 /// for molecules; absorption is unchanged.
 class RayleighSphere : public Particle {
 public:
-  /// Throws std::domain_error for radius, wavelength or indices that are not positive, and for rho outside
-  /// [0, 6/7).
+  /// Makes a sphere. Throws std::domain_error for radius, wavelength or indices that are not positive, and
+  /// for rho outside [0, 6/7).
   RayleighSphere(double radius, double lambda_nm, std::complex<double> index, double host, double rho = 0);
 
   using Particle::differential;
@@ -54,7 +54,7 @@ double air_king_factor(double lambda_nm);
 double air_cross_section(double lambda_nm);
 /// Returns the depolarisation factor that corresponds to `air_king_factor`.
 double air_depolarization(double lambda_nm);
-/// Molecules per m^3 at 15 C and 1013.25 hPa.
+/// Number of molecules per m^3 at 15 C and 1013.25 hPa.
 inline constexpr double kAirMolecules = 2.546899e25;
 
 /// Returns the scattering coefficient of pure water by density fluctuations, 1/m: 16.06 x 0.93e-4 (550

@@ -44,7 +44,8 @@ SizeDistribution SizeDistribution::log_normal(double sigma) {
     throw std::domain_error("spread of sizes must be in [0, 0.7], got " + std::to_string(sigma));
   if (sigma == 0) return {};
   constexpr double kCut = 3;
-  // Rings of neighbouring sizes overlap up to about u = 60; beyond, the spread has smoothed them.
+  // Number of nodes: rings of neighbouring sizes overlap up to about u = 60, beyond which the spread has
+  // smoothed them.
   const int count = std::clamp(int(std::ceil(2 * kCut * sigma * 60)), 15, 63);
   std::vector<Node> nodes;
   for (int i = 0; i < count; ++i) {

@@ -15,11 +15,12 @@ public:
   };
   static constexpr double kMaxSpread = 0.7;
 
-  /// A single size of 1.
+  /// Makes a distribution with the single size 1.
   SizeDistribution() : nodes_{{1, 1}} {}
 
-  /// Log-normal with median 1; `sigma` in [0, kMaxSpread] is the standard deviation of ln(size). Cut at 3
-  /// sigma and renormalised; midpoints of equal steps in ln(size). Throws std::domain_error.
+  /// Log-normal with median 1; `sigma` in [0, kMaxSpread] is the standard deviation of ln(size). The
+  /// distribution is cut at 3 sigma and renormalised; nodes are midpoints of equal steps in ln(size). Throws
+  /// std::domain_error.
   static SizeDistribution log_normal(double sigma);
 
   /// A histogram from lines of "size count" in the format of `read_two_columns`; more than 64 sizes are

@@ -25,17 +25,17 @@ double unified_glare_rating(double background, std::span<const GlareSource> sour
 
 double position_index(double elevation, double to_the_side) {
   constexpr double kMost = 16;
-  // The direction in a frame with z along the line of sight and y up.
+  // Components of the direction in a frame with z along the line of sight and y up.
   const double y = std::sin(elevation), across = std::cos(elevation), x = across * std::sin(to_the_side),
                z = across * std::cos(to_the_side);
   if (!(z > 0)) return kMost;
-  const double beta = std::atan2(std::hypot(x, y), z) / kDegree;  // from the line of sight
+  const double beta = std::atan2(std::hypot(x, y), z) / kDegree;  // angle from the line of sight
   if (y < 0) {
-    // With R the distance from the line of sight, and D that along it.
+    // Ratio R/D, with R the distance from the line of sight and D the distance along it.
     const double ratio = std::hypot(x, y) / z;
     return std::min(kMost, 1 + (ratio < 0.6 ? 0.8 : 1.2) * ratio);
   }
-  const double alpha = std::atan2(std::abs(x), y) / kDegree;  // of the source's plane from the vertical
+  const double alpha = std::atan2(std::abs(x), y) / kDegree;  // angle of the source's plane from the vertical
   const double p = std::exp((35.2 - 0.31889 * alpha - 1.22 * std::exp(-2 * alpha / 9)) * 1e-3 * beta +
                             (21 + 0.26667 * alpha - 0.002963 * alpha * alpha) * 1e-5 * beta * beta);
   return std::min(kMost, p);

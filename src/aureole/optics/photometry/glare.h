@@ -6,10 +6,10 @@
 
 namespace aureole::optics {
 
-/// A source of glare as an observer sees it.
+/// A glare source from the position of an observer.
 struct GlareSource {
-  double luminance = 0;    ///< [cd/m^2]
-  double solid_angle = 0;  ///< [sr]
+  double luminance = 0;    ///< luminance [cd/m^2]
+  double solid_angle = 0;  ///< solid angle [sr]
   double position = 1;     ///< position index of Guth, 1 along the line of sight
 };
 
@@ -23,8 +23,9 @@ inline constexpr double kSmallestGlareSource = 3e-4, kLargestGlareSource = 0.1;
 
 /// The position index of a source (M. Luckiesh and S. K. Guth, "Brightness in visual field at borderline between comfort
 /// and discomfort", 1949; as a formula in the IES Lighting Handbook, 1984). `elevation` and `to_the_side` are the angles
-/// [rad] of its direction above the line of sight and beside it; a negative elevation is below, for which the formula of
-/// T. Iwata and M. Tokura (1997) holds. It is at most 16, its value at the edge of the field of vision.
+/// [rad] of its direction above the line of sight and beside it; for directions below (negative elevation)
+/// the formula of T. Iwata and M. Tokura (1997) holds. The index is at most 16, its value at the edge of the
+/// field of vision.
 double position_index(double elevation, double to_the_side);
 
 /// Mesopic luminance [cd/m^2] by photopic luminance [cd/m^2] and the ratio of scotopic to photopic luminance, and its

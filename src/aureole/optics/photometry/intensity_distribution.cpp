@@ -12,7 +12,7 @@ namespace aureole::optics {
 
 namespace {
 
-/// The cell of an increasing table that holds x, and the position in it from 0 to 1.
+/// The cell of an increasing table that contains x, and the position of x in it from 0 to 1.
 struct CellOfTable {
   std::size_t index = 0;
   double fraction = 0;
@@ -36,13 +36,15 @@ void require_increasing(const std::vector<double>& angles, double min, double ma
   }
 }
 
-/// Integrals of (1 - t) sin and t sin over [a, b], angles in rad, t = (angle - a) / (b - a).
+/// Integrals of (1 - t) sin(angle) and t sin(angle) over angles in [a, b] rad, with t = (angle - a) / (b -
+/// a).
 struct SineWeights {
   double first, second;
 
   SineWeights(double a, double b) {
     const double h = b - a;
-    const double whole = 2 * std::sin(0.5 * (a + b)) * std::sin(0.5 * h);  // cos a - cos b
+    const double whole =
+        2 * std::sin(0.5 * (a + b)) * std::sin(0.5 * h);  // the integral of sin, cos a - cos b
     // The integral of (x - a) sin x is sin b - sin a - h cos b.
     double moment = std::sin(b) - std::sin(a) - h * std::cos(b);
     // For short intervals the difference loses digits, and two terms of its series are exact.
@@ -103,7 +105,7 @@ double IntensityDistribution::at(double azimuth, double polar_angle) const {
   if (!is_rotational()) {
     const double low = azimuths_.front();
     azimuth -= 360 * std::floor((azimuth - low) / 360);
-    // Directions at the seam are computed with rounding errors.
+    // Tolerance at the seam, since directions there are computed with rounding errors.
     constexpr double kSeam = 1e-9;
     if (azimuth > azimuths_.back() && azimuth < azimuths_.back() + kSeam) azimuth = azimuths_.back();
     if (azimuth > low + 360 - kSeam && azimuths_.back() < azimuth) azimuth = low;
@@ -120,7 +122,7 @@ double IntensityDistribution::at(double azimuth, double polar_angle) const {
 }
 
 double IntensityDistribution::flux(double from_polar, double to_polar) const {
-  // The mean over each half-plane's azimuths by the trapezoidal rule, which is exact for linear functions.
+  // Mean over each half-plane's azimuths by the trapezoidal rule, which is exact for linear functions.
   const auto over_azimuth = [&](std::size_t row) {
     if (is_rotational()) return 2 * M_PI * value(0, row);
     double sum = 0;
@@ -156,8 +158,7 @@ double IntensityDistribution::widest_angle() const {
   };
   for (std::size_t i = 0; i < azimuths_.size(); ++i)
     for (std::size_t j = 0; j < polar_angles_.size(); ++j) look_at(i, j);
-  if (is_rotational() && axes_.pole[2] != 1)
-    return M_PI;  // other circles than those of the table reach farther
+  if (is_rotational() && axes_.pole[2] != 1) return M_PI;  // tables about another axis may reach any angle
   return std::acos(std::max(lowest, -1.0));
 }
 

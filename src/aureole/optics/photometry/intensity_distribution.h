@@ -15,13 +15,17 @@ using LuminaireVector = std::array<double, 3>;
 
 /// The three systems of photometric coordinates, which differ by the axis that all half-planes share.
 enum class PhotometricType {
-  a,  ///< vertical axis across the beam: headlamps, signals. Horizontal angle about it, vertical angle from the horizon
-  b,  ///< horizontal axis across the beam: floodlights. Vertical angle about it, horizontal angle from the plane across it
-  c   ///< axis along the beam: luminaires of rooms and roads. Angle C about it, angle gamma from it
+  /// The vertical axis across the beam, for headlamps and signals: horizontal angle about it, vertical angle
+  /// from the horizon.
+  a,
+  /// The horizontal axis across the beam, for floodlights: vertical angle about it, horizontal angle from the
+  /// plane across it.
+  b,
+  c  ///< The axis along the beam, for luminaires of rooms and roads: angle C about it, angle gamma from it.
 };
 
 /// The axis that the half-planes share, and the directions at a right angle to it at azimuths of 0 and 90 degrees.
-/// Right-handed or not.
+/// The axes may be left-handed.
 struct PhotometricAxes {
   LuminaireVector pole, zero, quarter;
 };
@@ -40,7 +44,7 @@ public:
   IntensityDistribution(const PhotometricAxes& axes, std::vector<double> azimuths,
                         std::vector<double> polar_angles, std::vector<double> candela);
 
-  /// Intensity [cd] in a direction, a vector of any length but zero.
+  /// Returns the intensity [cd] in a direction, a vector of any length except zero.
   double intensity(const LuminaireVector& direction) const;
   /// Intensity [cd] at an azimuth and a polar angle [degrees].
   double at(double azimuth, double polar_angle) const;

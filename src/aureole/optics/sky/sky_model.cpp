@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// The table written by tools/make_sky_table.py, which describes the layout; float32, little-endian.
+/// Table written by tools/make_sky_table.py, which describes the layout; float32, little-endian.
 extern "C" {
 extern const float aureole_sky_data[];
 }
@@ -80,8 +80,7 @@ double SkyModel::sky(std::size_t channel, double cos_zenith, double gamma) const
 
 double SkyModel::sun(std::size_t channel, double elevation) const {
   if (!(elevation >= 0)) return 0;
-  // Cubics over segments whose ends grow as the cube of their index: the radiance changes rapidly near the
-  // horizon.
+  // The ends of the segments grow as the cube of their index, since the radiance changes rapidly near the horizon.
   const std::size_t segment =
       std::min(std::size_t(std::cbrt(elevation / (M_PI / 2)) * kSegments), kSegments - 1);
   const double x = elevation - M_PI / 2 * std::pow(double(segment) / kSegments, 3);

@@ -16,8 +16,8 @@ public:
   /// The sun's mean angular diameter [rad], for which the model gives the solar radiance.
   static constexpr double kSunDiameter = 0.5358 * 0.017453292519943295;
 
-  /// Turbidity in [1, 10], ground albedo at each wavelength in [0, 1], elevation of the sun's centre in [0,
-  /// pi/2]. Values outside these ranges are clamped.
+  /// Makes a sky. Turbidity is in [1, 10], ground albedo at each wavelength in [0, 1], elevation of the sun's
+  /// centre in [0, pi/2]. Values outside these ranges are clamped.
   SkyModel(double turbidity, const std::array<double, kChannels>& albedo, double solar_elevation);
 
   /// Returns the sky radiance, equation 8 of 2012 times the mean radiance, as a product that can be
@@ -32,11 +32,12 @@ public:
   /// Returns the radiance of the centre of the sun's disc at this elevation [rad]; 0 below the horizon.
   double sun(std::size_t channel, double elevation) const;
   /// Returns the radiance of the disc over that of its centre (Neckel & Labs, "Solar limb darkening
-  /// 1986-1990", 1994). `cosine` is that between the direction and the normal of the sun's surface.
+  /// 1986-1990", 1994). `cosine` is the cosine between the direction and the normal of the sun's surface.
   static double limb_darkening(std::size_t channel, double cosine);
 
 private:
-  std::array<std::array<double, 10>, kChannels> sky_;  ///< A ... I, mean radiance
+  /// coefficients A ... I, and mean radiance, of each channel
+  std::array<std::array<double, 10>, kChannels> sky_;
   double turbidity_;
 };
 

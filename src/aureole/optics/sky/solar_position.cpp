@@ -9,7 +9,7 @@
 namespace aureole::optics {
 
 SolarPosition solar_position(double days, double hour, double latitude_degrees, double longitude_degrees) {
-  // Ecliptic coordinates (table 1 of the paper).
+  // Ecliptic coordinates (M. Blanco-Muriel et al. 2001, table 1).
   const double node = 2.1429 - 0.0010394594 * days;
   const double mean_longitude = 4.8950630 + 0.017202791698 * days;
   const double anomaly = 6.2400600 + 0.0172019699 * days;

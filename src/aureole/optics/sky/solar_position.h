@@ -5,8 +5,8 @@
 namespace aureole::optics {
 
 struct SolarPosition {
-  double zenith_angle = 0;  ///< [rad], of the sun's centre, without refraction
-  double azimuth = 0;       ///< [rad], from north towards east
+  double zenith_angle = 0;  ///< zenith angle of the sun's centre [rad], without refraction
+  double azimuth = 0;       ///< azimuth [rad], from north towards east
 };
 
 /// Returns the sun's position. `days`: days and fractions since 1 January 2000, 12:00 UT (Julian date -

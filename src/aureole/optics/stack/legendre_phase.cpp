@@ -28,8 +28,8 @@ std::vector<double> moments_of(const PhaseTable& table, int count) {
   double sum = 0;
   for (std::size_t i = 0; i + 1 < table.mu.size(); ++i) {
     const double from = table.mu[i], to = table.mu[i + 1];
-    // P_l oscillates as cos(l theta): use as many nodes as the step has radians, or the number that is exact
-    // for the product.
+    // Number of nodes: P_l oscillates as cos(l theta), so that it is the number of radians in the step, or
+    // the number that is exact for the product.
     const double turns =
         count * (std::acos(std::clamp(from, -1.0, 1.0)) - std::acos(std::clamp(to, -1.0, 1.0)));
     const Quadrature q = gauss_legendre(std::min(count / 2 + 2, 6 + int(turns)), from, to);

@@ -28,7 +28,7 @@ public:
 
   /// Returns chi_0 to chi_(count - 1). For tables Gauss quadrature in each step is exact to rounding errors.
   std::vector<double> moments(int count) const;
-  double eval(double mu) const;  ///< 1/sr
+  double eval(double mu) const;  ///< Returns the phase function [1/sr].
   double asymmetry() const { return moments(2)[1]; }
 
 private:

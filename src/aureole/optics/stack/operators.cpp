@@ -117,7 +117,7 @@ Operators UniformLayer::attenuation(double optical_thickness) const {
 Operators UniformLayer::operators(double optical_thickness, int mode) const {
   if (!(optical_thickness > 0) || !scatters(mode)) return attenuation(optical_thickness);
   const auto [sum, difference] = rates(mode);
-  constexpr double kThin = 0.25;  // largest z: the approximant has an error of 1e-13
+  constexpr double kThin = 0.25;  // Largest z of the approximant, which has an error of 1e-13 there.
   const double rate = mu_.cwiseInverse().maxCoeff();
   const int doublings = std::max(0, int(std::ceil(std::log2(0.5 * optical_thickness * rate / kThin))));
   const double half = std::ldexp(0.5 * optical_thickness, -doublings);
@@ -145,7 +145,7 @@ Operators smooth_interface(const Channels& channels, double index_above, double 
   Vector r_above = Vector::Ones(above), r_below = Vector::Ones(below);
   Matrix t = Matrix::Zero(below, above);
   for (int i = 0; i < std::min(above, below); ++i) {
-    // The reflectance is equal from both sides; computed from the side of lower index it is accurate at
+    // The reflectance is equal from both sides; computed from the side of lower index, it is accurate at
     // grazing angles.
     const double n = std::min(index_above, index_below);
     r_above[i] = r_below[i] = fresnel_reflectance(channels.mu(i, n), n, std::max(index_above, index_below));
@@ -169,7 +169,7 @@ std::vector<Matrix> substrate_kernels(const Channels& channels, double index,
   constexpr int kWithin = 2;
   std::vector<Quadrature> within;
   for (int i = 0; i < n; ++i) within.push_back(channels.within(i, index, kWithin));
-  // The substitution phi = pi t^2 puts many nodes near 0, where lobes are.
+  // The substitution phi = pi t^2 puts many nodes near azimuth 0, where lobes are.
   const Quadrature turn = gauss_legendre(32 + modes, 0, 1);
   const int steps = int(turn.x.size());
   Matrix by_mode(modes, steps);

@@ -27,7 +27,8 @@ Matrix inverse(const Matrix& a);
 
 struct Operators {
   Matrix r_above;  ///< reflection of light from above: symmetric, over the channels of the medium above
-  Matrix t_down;   ///< transmission from the channels above to those below; the transpose is that from below
+  /// transmission from the channels above to the channels below; its transpose is the transmission from below
+  Matrix t_down;
   Matrix r_below;
 
   /// Composes two parts with all interreflections between them.
@@ -50,9 +51,9 @@ public:
 
   Operators operators(double optical_thickness, int mode) const;
 
-  /// A and B of dx_down/dtau = -A x_down + B x_up; the equation for x_up is the mirror image.
+  /// Matrices A and B of dx_down/dtau = -A x_down + B x_up; the equation for x_up is the mirror image.
   struct Rates {
-    Matrix sum, difference;  ///< A + B, A - B
+    Matrix sum, difference;  ///< sum A + B and difference A - B
   };
   Rates rates(int mode) const;
   bool scatters(int mode) const;
@@ -63,7 +64,7 @@ private:
   double albedo_;
   std::vector<double> moments_;
   Vector mu_, root_etendue_;
-  double scale_;  ///< albedo/(4 pi n^2)
+  double scale_;  ///< factor albedo/(4 pi n^2)
   Vector forward_;
 };
 

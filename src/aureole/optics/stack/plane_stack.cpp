@@ -139,7 +139,8 @@ std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) 
   const StackSolver solver(description_, method_, false, beam_directions(lights, description_));
   const Channels& channels = solver.channels();
   const Incident incident(lights, description_, channels, 0);
-  // Above a substrate all levels count; without one the last level is the exit.
+  // Last level that counts: above a substrate all levels count; without a substrate the last level is the
+  // exit.
   const int bottom = solver.last_level() - (description_.substrate ? 1 : 0);
   const int levels[] = {0, bottom};
   const auto light = solver.light(0, incident.above, incident.below, levels);
@@ -153,7 +154,7 @@ std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) 
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const int channel = lights[i].cosine ? channels.extra()[beam++] : -1;
     const Vector paths = unscattered_light(solver, lights[i], channel);
-    // Light that a specular substrate reflects is unscattered too.
+    // Light that a specular substrate reflects is unscattered as well.
     const double u = paths[solver.last_level() + 1], d = description_.substrate
                                                              ? (1 - *description_.substrate) * paths[bottom] -
                                                                    paths[solver.last_level() + 1 + bottom]
@@ -210,7 +211,7 @@ std::vector<double> radiance_at(const StackSolver& solver, const StackDescriptio
   }
   if (!method.delta_m || beams == 0) return result;
 
-  // Exact single scattering replaces that of the truncated series.
+  // The exact single scattering replaces the single scattering of the truncated series.
   const SingleScattering single(solver, d);
   std::size_t beam = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -278,7 +279,7 @@ std::vector<StackField> PlaneStack::fields(const StackLight& light,
     const double n = layer.index, extinction = layer.extinction() * solver.scaled(positions[i].layer).share;
     const Vector root = root_etendues(channels, n);
     const UniformLayer::Rates rates = solver.layer(positions[i].layer).rates(0);
-    // Backscattered flux per unit of (scaled) optical depth, by channel.
+    // Backscattered flux per unit of (scaled) optical depth for each channel.
     const Vector backward = 0.5 * (rates.sum - rates.difference) * root;
     StackField f;
     f.unscattered_flux_down = paths[levels[i]];

@@ -35,9 +35,9 @@ struct StackInterface {
 };
 
 struct StackLayer {
-  double absorption = 0;  ///< sigma_a, in 1/length
-  double scattering = 0;  ///< sigma_s, in 1/length
-  double thickness = 0;   ///< in the same unit of length; may be infinite
+  double absorption = 0;  ///< absorption coefficient sigma_a, in 1/length
+  double scattering = 0;  ///< scattering coefficient sigma_s, in 1/length
+  double thickness = 0;   ///< thickness in the same unit of length; may be infinite
   LegendrePhase phase = LegendrePhase::isotropic();
   double index = 1;      ///< index of refraction
   StackInterface top{};  ///< interface to the layer above, or to the medium above the stack
@@ -61,7 +61,7 @@ struct StackDescription {
   /// none.
   std::function<double(double)> mirror{};
   std::function<double(double, double, double)> brdf{};
-  double index_below = 1;   ///< used without a substrate
+  double index_below = 1;   ///< index of the medium below, used without a substrate
   StackInterface bottom{};  ///< interface below the last layer, used without a substrate
 };
 
@@ -81,7 +81,7 @@ struct DiscreteOrdinates {
 
 /// Light of irradiance 1 on the stack, from a beam or, without a cosine, from a uniform (Lambertian) sky.
 struct StackLight {
-  std::optional<double> cosine;  ///< in (0, 1], in the medium of incidence
+  std::optional<double> cosine;  ///< cosine of the beam in (0, 1], in the medium of incidence
   bool from_below = false;
 
   static StackLight beam(double cosine, bool from_below = false) { return {cosine, from_below}; }
@@ -90,12 +90,12 @@ struct StackLight {
 
 /// Fractions of the incident flux. For light from below "reflected" is the light that returns downward.
 struct StackFluxes {
-  /// All light. With a substrate, transmittance is the fraction that the substrate absorbs.
+  /// Fractions of all light. With a substrate, transmittance is the fraction that the substrate absorbs.
   double reflectance = 0, transmittance = 0;
-  /// The unscattered part: light reflected by interfaces, and light that crosses all layers. With a
-  /// substrate, the fraction of the light on its first arrival that is absorbed.
+  /// Fractions of unscattered light: light reflected by interfaces, and light that crosses all layers. With a
+  /// substrate, the latter is the fraction of the light on its first arrival that is absorbed.
   double unscattered_reflectance = 0, unscattered_transmittance = 0;
-  double absorptance() const { return 1 - reflectance - transmittance; }  ///< by the layers
+  double absorptance() const { return 1 - reflectance - transmittance; }  ///< fraction that the layers absorb
 };
 
 /// A depth below the top of a layer, in the layer's unit of length. Interfaces are not part of the layer.
@@ -114,13 +114,13 @@ struct StackField {
   /// Clothiaux 2006, chapter 5; Kubelka & Munk 1931 assume constants). With 2 streams and without `delta_m`
   /// they are constant over depth. 0 if there is no flux.
   double absorption_down = 0, absorption_up = 0;    ///< K
-  double backscatter_down = 0, backscatter_up = 0;  ///< S of the downward and of the upward flux
+  double backscatter_down = 0, backscatter_up = 0;  ///< coefficient S of the downward and of the upward flux
 };
 
 /// Fluxes between rings of directions: row i, column j is the flux that leaves in ring i for irradiance 1,
 /// uniform over ring j.
 struct StackChannels {
-  std::vector<double> projected_solid_angle;  ///< of each ring, pi (mu_a^2 - mu_b^2)
+  std::vector<double> projected_solid_angle;  ///< projected solid angle of each ring, pi (mu_a^2 - mu_b^2)
   std::vector<double> reflected, transmitted;
 };
 
@@ -147,8 +147,8 @@ public:
   std::vector<StackField> fields(const StackLight& light, std::span<const StackPosition> positions) const;
 
   /// Returns the fluxes between rings of directions, for light from above. The rings are bounded by
-  /// `dividing_cosines` above the stack, which fall from 1 to 0 (both excluded). Transmitted light is that
-  /// which arrives below, or at the substrate, in the same ranges of n sin(theta).
+  /// `dividing_cosines` above the stack, which fall from 1 to 0 (both excluded). Transmitted light arrives
+  /// below, or at the substrate, in equal ranges of n sin(theta).
   StackChannels channels(std::span<const double> dividing_cosines) const;
 
 private:

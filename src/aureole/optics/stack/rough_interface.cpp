@@ -41,7 +41,7 @@ private:
 struct Side {
   double index, mu;
   bool is_above;
-  double unmasked = 1;  ///< Smith's G1
+  double unmasked = 1;  ///< Smith's masking function G1
 };
 
 /// Returns the basic radiance that leaves along `o`, per flux incident along `i`; symmetric in both.
@@ -51,14 +51,14 @@ public:
       : facets_(facets), index_above_(index_above), index_below_(index_below) {}
 
   double operator()(const Side& i, const Side& o, double cos_phi) const {
-    // Both directions point away from the interface, so their azimuth is that of propagation plus half a
-    // turn.
+    // Both directions point away from the interface, so their azimuth is the azimuth of propagation plus half
+    // a turn.
     const double sine_i = std::sqrt(1 - i.mu * i.mu), sine_o = std::sqrt(1 - o.mu * o.mu);
     const double along = -sine_i * sine_o * cos_phi;
     const double mask = i.unmasked * o.unmasked;
     if (i.is_above == o.is_above) {
       const double dot = along + i.mu * o.mu, length = std::sqrt(2 + 2 * dot);
-      const double m = (i.mu + o.mu) / length;  // cosine of the normal
+      const double m = (i.mu + o.mu) / length;  // cosine of the facet's normal
       const double reflected =
           fresnel_reflectance(std::min(1.0, length / 2), i.index, i.is_above ? index_below_ : index_above_);
       return reflected * facets_.density(m) * mask / (4 * i.mu * o.mu * i.index * i.index);
@@ -90,7 +90,7 @@ private:
 };
 
 /// The directions of a channel: its central one and others in its range, which resolve lobes narrower than
-/// that.
+/// the range.
 struct Row {
   struct Part {
     Side side;
@@ -98,7 +98,7 @@ struct Row {
   };
   Part middle;
   std::vector<Part> within;
-  double width;  ///< in radians
+  double width;  ///< width of the range of directions [rad]
 };
 
 }  // namespace
@@ -111,7 +111,7 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
   const auto channel_of = [&](int row) { return row < above ? row : row - above; };
   const auto index_of = [&](int row) { return row < above ? index_above : index_below; };
 
-  // Refraction deflects light by less than the tilt of the facets.
+  // Width of the lobe: refraction deflects light by less than the tilt of the facets.
   const double contrast = std::abs(index_above - index_below) / std::max(index_above, index_below);
   const double lobe = interface.alpha * contrast;
   std::vector<Row> rows;
@@ -126,7 +126,7 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
     const Quadrature q = channels.within(channel, n, std::clamp(int(std::ceil(2 * width / lobe)), 2, 8));
     for (std::size_t i = 0; i < q.x.size(); ++i) rows[row].within.push_back({side(q.x[i]), q.weight[i]});
   }
-  // The substitution phi = pi t^2 puts many nodes near 0, where lobes are.
+  // The substitution phi = pi t^2 puts many nodes near azimuth 0, where lobes are.
   const Quadrature turn = gauss_legendre(64 + 2 * modes, 0, 1);
   const int steps = int(turn.x.size());
   std::vector<double> cos_phi;
@@ -154,7 +154,7 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
       for (int m = 0; m < modes; ++m) kernels[m](i, j) = kernels[m](j, i) = means[m];
     }
 
-  // Energy conservation: the matrix times `root` must be `root`.
+  // Correction for energy conservation: the matrix times `root` must be `root`.
   Matrix& mean = kernels[0];
   const Vector missing = (root - mean * root).cwiseMax(0);
   const double sum = missing.dot(root);

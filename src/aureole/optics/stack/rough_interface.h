@@ -11,9 +11,9 @@ namespace aureole::optics {
 
 /// Returns the operators of `modes` azimuthal modes. The kernel is averaged over the ranges of both channels,
 /// so that lobes narrower than the channel spacing keep their energy. A channel's missing flux is distributed
-/// over all channels in proportion to what they miss. This is reciprocal and represents multiple scattering
-/// between microfacets. An excess is removed by a factor for each channel (Sinkhorn & Knopp 1967), so that
-/// energy is exact.
+/// over all channels in proportion to the missing flux of each. This is reciprocal and represents multiple
+/// scattering between microfacets. An excess is removed by a factor for each channel (Sinkhorn & Knopp 1967),
+/// so that energy is exact.
 std::vector<Operators> rough_interface(const Channels& channels, double index_above, double index_below,
                                        const StackInterface& interface, int modes);
 

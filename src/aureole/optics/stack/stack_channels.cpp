@@ -31,8 +31,8 @@ Channels::Channels(std::vector<double> indices, int half_streams, std::span<cons
   for (const double n : indices_) ends.push_back({n, 0});
   std::sort(ends.begin(), ends.end(),
             [](const IndexedCosine& a, const IndexedCosine& b) { return invariant(a) < invariant(b); });
-  // Limits that are equal up to rounding, for instance a cut at grazing incidence, would leave an empty
-  // piece.
+  // Limits that are equal up to rounding are merged: for instance a cut at grazing incidence would leave an
+  // empty piece.
   const double most = indices_.back() * indices_.back();
   std::vector<IndexedCosine> distinct;
   double last = 0;

@@ -55,7 +55,7 @@ private:
     IndexedCosine at;
     double etendue;
     bool is_extra;
-    double steepest, most_grazing;  ///< cosines at the limits of its range, in the medium of `at`
+    double steepest, most_grazing;  ///< cosines at the limits of the channel's range, in the medium of `at`
   };
   std::vector<double> indices_;
   std::vector<int> counts_;

@@ -13,7 +13,7 @@
 namespace aureole::optics {
 namespace {
 
-constexpr double kGrazing = 1e-4;  // cosine
+constexpr double kGrazing = 1e-4;  // cosine of the nearly grazing direction
 
 std::set<double> indices_of(const StackDescription& stack) {
   std::set<double> indices{stack.index_above};
@@ -119,7 +119,7 @@ private:
         for (int o = 0; o < r.rows(); ++o) flux += root(o) * r(o, i) / root(i);
         for (int o = 0; o < t.rows(); ++o) flux += root(o) * t(o, i) / root(i);
         const Vector paths = solver_.unscattered(i, false).col(is_below ? 2 * levels - 1 : 0);
-        // Unscattered light that leaves upward (`mirrored`) and downward (`passed`).
+        // Fractions of unscattered light that leave upward (`mirrored`) and downward (`passed`).
         double mirrored = paths[levels], passed = below_ ? paths[levels - 1] : 0;
         if (is_below) std::swap(mirrored, passed);
         side.mirrored.push_back(mirrored), side.passed.push_back(passed);

@@ -18,11 +18,11 @@ struct StackKernels {
     std::vector<double> cosines;
     /// Fractions for a beam of irradiance 1 along each direction. `passed` is 0 if there is a substrate.
     std::vector<double> scattered;         ///< scattered light that leaves on either side
-    std::vector<double> mirrored, passed;  ///< unscattered light
+    std::vector<double> mirrored, passed;  ///< unscattered light that is reflected and transmitted
     /// Irradiance on a substrate by light that arrives for the first time; empty without a substrate.
     std::vector<double> reached;
   };
-  Side above, below;  ///< below: empty if there is a substrate
+  Side above, below;  ///< scattering from either side; `below` is empty if there is a substrate
   int azimuths = 0;
   /// For diffuse upward light from a substrate: the fraction that the layers return, and the fraction that
   /// leaves.

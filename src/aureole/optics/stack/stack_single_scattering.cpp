@@ -42,7 +42,7 @@ std::vector<double> SingleScattering::correction(const Beam& beam, int channel, 
         channel >= solver_.channels().count(n))
       continue;
     const double mu_in = solver_.channels().mu(beam.channel, n), mu_out = solver_.channels().mu(channel, n);
-    // Unscattered light incident on the layer.
+    // Unscattered light incident on the layer from above and from below.
     const double down = beam.paths[k], up = beam.paths[levels + k + 1];
     const double leaves_up = escape[levels + k], leaves_down = escape[k + 1];
     const double through = two_ways(1 / mu_in, 1 / mu_out, e.scaled), sum = 1 / mu_in + 1 / mu_out,
@@ -51,7 +51,8 @@ std::vector<double> SingleScattering::correction(const Beam& beam, int channel, 
     const double forward = scale * through * (down * leaves_down + up * leaves_up),
                  backward = scale * back * (down * leaves_up + up * leaves_down);
 
-    // albedo/(1 - albedo f) of the whole phase function, compared with the scaled albedo of the series.
+    // Factor albedo/(1 - albedo f) of the whole phase function, compared with the scaled albedo of the
+    // series.
     const double whole = layer.scattering / (layer.extinction() * scaled.share);
     const auto difference = [&](double cosine) {
       return whole * layer.phase.eval(cosine) - scaled.albedo * legendre_series(scaled.moments, cosine);

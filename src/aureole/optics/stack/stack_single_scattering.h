@@ -16,13 +16,13 @@ public:
   SingleScattering(const StackSolver& solver, const StackDescription& description)
       : solver_(solver), description_(description) {}
 
-  /// Whether there is anything to correct.
+  /// Whether delta-M scaling has changed any layer, so that a correction is needed.
   bool corrects() const;
 
   /// A beam of irradiance 1 on the stack, and its unscattered light at all levels.
   struct Beam {
     int channel;
-    Vector paths;  ///< as StackSolver::unscattered
+    Vector paths;  ///< unscattered light, in the order of StackSolver::unscattered
   };
   Beam light(int channel, bool from_below) const;
 

@@ -142,7 +142,7 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
                                                    const Matrix& from_below,
                                                    std::span<const int> levels) const {
   const int last = last_level();
-  int highest = last, deepest = 0;  // among the levels inside the stack
+  int highest = last, deepest = 0;  // first and last of the levels inside the stack
   bool needs_whole = false;
   for (const int level : levels) {
     if (level == 0 || level == last) {
@@ -153,7 +153,7 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
   }
   std::vector<Operators> parts;
   for (const Element& e : elements_) parts.push_back(operators(e, mode));
-  // upper[i]: all elements above level i; lower[i]: all elements below it.
+  // Operators of partial stacks: upper[i] is all elements above level i; lower[i] all elements below it.
   std::vector<Operators> upper(last + 1), lower(last + 1);
   for (int i = 1; i <= deepest; ++i)
     upper[i] = i == 1 ? parts[0] : Operators::stacked(upper[i - 1], parts[i - 1]);
@@ -180,7 +180,8 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
 
 Matrix StackSolver::unscattered(int channel, bool scaled) const {
   constexpr double kTotal =
-      1 - 1e-12;  // so that light caught in clear glass, of which there is none, does not divide by 0
+      // factor below 1, so that light trapped in clear glass, which has none, does not cause a division by 0
+      1 - 1e-12;
   const int levels = last_level() + 1;
   Matrix step = Matrix::Zero(2 * levels, 2 * levels);
   for (int i = 0; i + 1 < levels; ++i) {

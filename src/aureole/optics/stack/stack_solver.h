@@ -18,15 +18,16 @@ class StackSolver {
 public:
   struct Element {
     enum class Kind { layer, interface, substrate } kind;
-    /// Index of the layer in the description; for an interface that of the layer below it.
+    /// Index of the layer in the description; for an interface the index of the layer below it.
     int layer;
-    double index_above, index_below;   ///< differ only for interfaces
-    double optical_thickness, scaled;  ///< for layers; `scaled` treats the forward peak as unscattered
-    int rough = -1;                    ///< index of a rough interface
+    double index_above, index_below;  ///< indices on both sides, which differ only for interfaces
+    /// optical thickness of a layer; `scaled` treats the forward peak as unscattered
+    double optical_thickness, scaled;
+    int rough = -1;  ///< index of a rough interface
   };
   /// A layer after delta-M scaling, if that is used.
   struct Scaled {
-    double share = 1;  ///< remaining fraction of the extinction
+    double share = 1;  ///< fraction of the extinction that remains
     double albedo = 0;
     std::vector<double> moments;
   };
@@ -42,7 +43,8 @@ public:
   const Scaled& scaled(int layer) const { return scaled_[layer]; }
   const UniformLayer& layer(int layer) const { return layers_[layer]; }
   int last_level() const { return int(elements_.size()); }
-  int level(int position) const { return position_levels_[position]; }  ///< level of each of `positions`
+  /// Returns the level of each of `positions`.
+  int level(int position) const { return position_levels_[position]; }
   double index(int level) const { return level == 0 ? index_above_ : elements_[level - 1].index_below; }
   /// Returns the number of modes in which light is scattered.
   int modes() const { return modes_; }
@@ -77,9 +79,9 @@ private:
   std::function<double(double)> mirror_;
   Channels channels_;
   std::vector<UniformLayer> layers_;
-  /// Operators by rough interface and mode.
+  /// Operators of each rough interface, by mode.
   std::vector<std::shared_ptr<const std::vector<Operators>>> rough_;
-  std::vector<Matrix> brdf_;  ///< of the substrate, by mode; empty if it has none
+  std::vector<Matrix> brdf_;  ///< BRDF of the substrate, by mode; empty if there is none
   int modes_ = 1;
 };
 

@@ -20,7 +20,8 @@ namespace aureole::grid_reader {
 
 namespace {
 
-/// Deflate compresses at most 1032 to 1; bzip2 may exceed it on constant data.
+/// Largest ratio of content to file size: deflate compresses at most 1032 to 1; bzip2 may exceed it on
+/// constant data.
 constexpr double kContentPerByte = 1100;
 
 std::string_view text_of(std::span<const std::byte> bytes) {
@@ -37,7 +38,8 @@ bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 class GrowingBytes {
 public:
   explicit GrowingBytes(std::uint64_t wanted) : wanted_(wanted) {}
-  /// Makes room. Returns the free bytes behind those that are filled; none: all is there.
+  /// Makes room for more output. Returns the free bytes behind the filled ones; empty where all output is
+  /// there.
   std::span<std::byte> room() {
     if (filled_ == bytes_.size())
       bytes_.resize(
@@ -56,7 +58,7 @@ private:
   std::vector<std::byte> bytes_;
 };
 
-constexpr std::size_t kMostAtOnce = 1 << 30;  // both libraries count in 32 bits
+constexpr std::size_t kMostAtOnce = 1 << 30;  // upper bound of a step, since both libraries count in 32 bits
 
 /// Decompresses `source` to at most `wanted` bytes. `decode(stream)` reads from and writes to the stream of zlib or bzip2
 /// and returns its status; `goes_on(status, is_stuck, read)` decides whether there is more.
@@ -95,7 +97,7 @@ SharedBytes bunzip(const SharedBytes& source, std::uint64_t wanted) {
       [](int status, bool is_stuck, std::size_t) {
         if (status == BZ_STREAM_END) return false;
         if (status != BZ_OK) throw Error("holds damaged data compressed by bzip2");
-        return !is_stuck;  // else the source has ended
+        return !is_stuck;  // if not stuck, the stream needs more room; else the source has ended
       });
 }
 
@@ -213,7 +215,7 @@ SharedBytes decode(const SharedBytes& source, Encoding encoding, std::int64_t by
       return all;
     }
     case Encoding::text: {
-      // Each number but the last has a character and a blank.
+      // Bound of the count: each number except the last has a character and a blank.
       if (skip > source.size() || count > (source.size() - skip) / 2 + 1)
         throw Error(
             fmt::format("is truncated: {} numbers as text do not fit into {} bytes", count, source.size()));
@@ -242,7 +244,7 @@ SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted) {
   return decompressed(
       source, wanted, stream, [](z_stream& s) { return inflate(&s, Z_NO_FLUSH); },
       [&](int status, bool is_stuck, std::size_t read) {
-        // A file of gzip may have several members.
+        // The next member of the file follows, since a gzip file may have several members.
         if (status == Z_STREAM_END) return read < source.size() && inflateReset(&stream) == Z_OK;
         if (status == Z_BUF_ERROR && is_stuck) return false;  // the source has ended
         if (status != Z_OK) throw Error("holds damaged data compressed by gzip or zlib");
@@ -401,7 +403,7 @@ void arrange(ScalarGrid& grid, const std::vector<GridAxis>& axes, const ScalarGr
 void place(ScalarGrid& grid, const std::array<std::array<double, 3>, 3>& columns,
            const std::array<double, 3>& origin, const std::string& space, const ScalarGridOptions& options) {
   grid.space = options.space.empty() ? space : options.space;
-  const char toward[3] = {'L', 'P', 'I'};  // directions opposite to RAS
+  const char toward[3] = {'L', 'P', 'I'};  // letters of the directions opposite to RAS
   Transform::Matrix m{};
   m[3][3] = 1;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -409,7 +411,8 @@ void place(ScalarGrid& grid, const std::array<std::array<double, 3>, 3>& columns
     for (std::size_t k = 0; k < 3; ++k) m[i][k] = sign * columns[k][i];
     m[i][3] = sign * origin[i];
   }
-  constexpr double kLeast = 1e-15, kMost = 1e15;  // lengths whose products stay within double precision
+  // bounds of lengths whose products stay within double precision
+  constexpr double kLeast = 1e-15, kMost = 1e15;
   for (std::size_t k = 0; k < 3; ++k) {
     const double length = std::hypot(columns[k][0], columns[k][1], columns[k][2]);
     if (!(length >= kLeast && length <= kMost))
@@ -421,7 +424,7 @@ void place(ScalarGrid& grid, const std::array<std::array<double, 3>, 3>& columns
       throw Error(fmt::format("has its first voxel at ({}, {}, {}); finite coordinates are expected",
                               origin[0], origin[1], origin[2]));
   }
-  // The determinant of the unit vectors along the axes: 1 at right angles, 0 in one plane.
+  // Determinant of the unit vectors along the axes: 1 at right angles, 0 in one plane.
   Transform::Matrix unit = m;
   for (std::size_t k = 0; k < 3; ++k) {
     const double length = std::hypot(m[0][k], m[1][k], m[2][k]);
@@ -454,7 +457,7 @@ std::vector<std::string> names_of_pattern(const std::string& pattern, std::int64
     if (end < pattern.size() && pattern[end] == '0') zeros = true, ++end;
     while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && width < 100)
       width = 10 * width + std::size_t(pattern[end++] - '0');
-    if (end < pattern.size() && pattern[end] == '.') {  // %.3d has zeros, too
+    if (end < pattern.size() && pattern[end] == '.') {  // a pattern such as %.3d has leading zeros as well
       zeros = true, width = 0, ++end;
       while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && width < 100)
         width = 10 * width + std::size_t(pattern[end++] - '0');

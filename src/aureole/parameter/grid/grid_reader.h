@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One function per format of grids, and what they share. They throw Error, without a location or located at a line of
-// the file; `read_scalar_grid` adds the file.
+// One function for each format of grids, and their common helpers. They throw Error, without a location or
+// located at a line of the file; `read_scalar_grid` adds the file.
 #pragma once
 
 #include <functional>
@@ -15,13 +15,13 @@ using Path = std::filesystem::path;
 
 ScalarGrid read_nrrd(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 ScalarGrid read_meta_image(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
-/// `bytes` may be compressed by gzip.
+/// Reads a NIfTI file. `bytes` may be compressed by gzip.
 ScalarGrid read_nifti(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 ScalarGrid read_vti(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 ScalarGrid read_npy(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 
-/// How numbers are stored.
+/// Encodings of stored numbers.
 enum class Encoding { raw, text, hex, gzip, bzip2 };
 
 /// Calls f with a number of the C++ type of `type`; of `std::uint16_t` with `is_half` for float16.
@@ -56,21 +56,23 @@ void with_type(ScalarType type, const F& f) {
 /// than 2^62 bytes.
 std::uint64_t count_of(const std::vector<std::int64_t>& sizes, ScalarType type);
 
-/// Decodes `count` numbers of `source`. Bytes `byte_skip` are passed over, in compressed data after they are
-/// decompressed; in raw data -1 stands for all before the numbers, which end the source. Raw numbers are not
-/// copied. Throws Error if there are fewer.
+/// Decodes `count` numbers of `source`. The first `byte_skip` bytes are skipped, in compressed data after
+/// decompression. In raw data -1 skips all bytes before the numbers, which then end the source. Raw numbers
+/// are not copied. Throws Error if there are fewer.
 SharedBytes decode(const SharedBytes& source, Encoding encoding, std::int64_t byte_skip, std::uint64_t count,
                    ScalarType type);
-/// Decompresses gzip or zlib to at most `wanted` bytes. Memory grows with what was found, not with what is wanted.
+/// Decompresses gzip or zlib to at most `wanted` bytes. Memory grows with the decompressed bytes, not with
+/// `wanted`.
 SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted);
-/// Returns the bytes of base64 text up to its padding; blanks are passed over. Throws Error at another character.
+/// Returns the bytes of base64 text up to its padding; blanks are skipped. Throws Error at another character.
 std::vector<std::byte> base64_bytes(std::string_view text);
-/// Makes bytes of a vector shared.
+/// Wraps a vector of bytes as shared bytes.
 SharedBytes shared(std::vector<std::byte> bytes);
-/// Joins pieces that together are the numbers of a grid: one piece is not copied.
+/// Joins pieces that together form the numbers of a grid; a single piece is not copied.
 SharedBytes joined(std::vector<SharedBytes> pieces);
 
-/// Returns an Error at a line of the header. A problem of another file has its name in the message.
+/// Returns an Error at a line of the header. For a problem in another file, the message begins with the name
+/// of that file.
 Error at_line(const Error& problem, int line);
 
 /// Parses text as one number; NaN and infinity are allowed. Throws Error.
@@ -86,9 +88,9 @@ std::string lowered(std::string_view text);
 /// Returns the metres of a unit's symbol or name ("mm", "millimeters", "micron"); nothing if it is unknown.
 std::optional<double> metres_of_unit(std::string_view name);
 
-/// Sets `grid.size`, channels, strides and the chosen frame from `grid.numbers`, which hold all frames. `axes` has
-/// the size of each axis, the fastest first, and what it is: 'x', 'y', 'z', 'c' (channel) or 't' (frame). Returns
-/// nothing; throws Error if the frame is not there.
+/// Sets `grid.size`, channels, strides and the chosen frame from `grid.numbers`, which hold all frames.
+/// `axes` has the size of each axis, the fastest first, and its role: 'x', 'y', 'z', 'c' (channel) or 't'
+/// (frame). Throws Error if the frame does not exist.
 struct GridAxis {
   std::int64_t size;
   char role;
@@ -96,10 +98,10 @@ struct GridAxis {
 void arrange(ScalarGrid& grid, const std::vector<GridAxis>& axes, const ScalarGridOptions& options);
 
 /// Sets `index_to_ras` from the columns (the step of each index in the file's space) and the centre of the first
-/// voxel, both in a space whose coordinates increase to the directions `space` ("LPS"; empty: none known).
+/// voxel, both in a space whose coordinates increase in the directions `space` ("LPS"; empty: unknown).
 void place(ScalarGrid& grid, const std::array<std::array<double, 3>, 3>& columns,
            const std::array<double, 3>& origin, const std::string& space, const ScalarGridOptions& options);
-/// Places a grid of a file that states no distance of its voxels: by the options, or 1.
+/// Places a grid whose file states no distance between voxels: by the options, or with the distance 1.
 void place_by_options(ScalarGrid& grid, const ScalarGridOptions& options);
 
 /// Returns the names of a printf-like pattern with one %d for first, first + step, ..., last.
@@ -109,7 +111,7 @@ std::vector<std::string> names_of_pattern(const std::string& pattern, std::int64
 /// number only, in the order of that number. Throws Error if a number is missing between two others.
 std::vector<Path> files_of_series(const Path& file);
 
-/// The most files that one grid may have.
+/// Upper bound of the number of files of one grid.
 inline constexpr std::size_t kMaxFiles = 1 << 16;
 
 }  // namespace aureole::grid_reader

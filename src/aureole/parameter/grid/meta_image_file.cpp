@@ -21,11 +21,11 @@ struct MetaField {
 
 struct MetaHeader {
   std::map<std::string, MetaField, std::less<>> fields;
-  std::vector<MetaField> listed;  ///< lines behind ElementDataFile = LIST
+  std::vector<MetaField> listed;  ///< lines that follow ElementDataFile = LIST
   std::size_t end = 0;
 };
 
-/// Older names of a key.
+/// Replaces older names of a key by the current one.
 std::string key_of(std::string_view key) {
   static const std::map<std::string, std::string, std::less<>> kOld = {
       {"Position", "Offset"},
@@ -179,7 +179,7 @@ private:
       return;
     }
     std::vector<std::string> names;
-    std::size_t sub = dimensions_ - 1;  // dimensions of one file of several
+    std::size_t sub = dimensions_ - 1;  // number of dimensions of one file of several
     at("ElementDataFile", [&](const std::string& v) {
       const std::vector<std::string> words = words_of(v);
       if (words.empty()) throw Error("names no file");
@@ -241,7 +241,7 @@ private:
       for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t i = 0; i < 3; ++i) columns[k][i] = m[k * dimensions_ + i];
     }
-    // ElementSize is the extent of a voxel, for files without a spacing.
+    // ElementSize is the extent of a voxel, which replaces the spacing in files without one.
     const char* const spacing = has("ElementSpacing") ? "ElementSpacing"
                                 : has("ElementSize")  ? "ElementSize"
                                                       : nullptr;
@@ -273,7 +273,7 @@ private:
         grid.unit_m = *m;
         return 0;
       });
-    grid.unit_is_stated = grid.spacing_is_stated = true;  // the format's unit is the millimetre
+    grid.unit_is_stated = grid.spacing_is_stated = true;  // stated, since the format's unit is the millimetre
     at(has("TransformMatrix") ? "TransformMatrix"
        : spacing              ? spacing
                               : "Offset",
@@ -289,7 +289,7 @@ private:
         "ElementToIntensityFunctionSlope", "ElementToIntensityFunctionOffset", "BinaryData", "CompressedData",
         "CompressedDataSize", "HeaderSize", "ElementDataFile", "TransformMatrix", "ElementSpacing",
         "ElementSize", "Offset", "DistanceUnits",
-        // Descriptions without effect on numbers or position.
+        // Keys of descriptions, which do not affect numbers or position.
         "Comment", "ObjectSubType", "TransformType", "Name", "ID", "ParentID", "Color", "Modality",
         "ElementMin", "ElementMax", "AcquisitionDate", "SequenceID", "AnatomicalOrientation"};
     std::string unused;

@@ -12,7 +12,7 @@ namespace aureole::grid_reader {
 
 namespace {
 
-/// Fields of the header at their offsets in bytes, in the file's order of bytes.
+/// Fields of the header at their offsets in bytes, in the file's byte order.
 class NiftiHeader {
 public:
   NiftiHeader(std::span<const std::byte> bytes, bool is_swapped, bool is_second)
@@ -45,7 +45,8 @@ public:
   int units() const { return is_second_ ? at<std::int32_t>(500) : int(at<std::uint8_t>(123)); }
   int qform() const { return code(252, 344); }
   int sform() const { return code(254, 348); }
-  double quaternion(std::size_t i) const { return real(256, 352, i); }  // b, c, d, then the offsets
+  // components b, c, d of the quaternion, then the offsets
+  double quaternion(std::size_t i) const { return real(256, 352, i); }
   double srow(std::size_t row, std::size_t i) const { return real(280, 400, 4 * row + i); }
   std::string_view magic() const {
     return {reinterpret_cast<const char*>(bytes_.data()) + (is_second_ ? 4 : 344), 4};
@@ -60,7 +61,7 @@ private:
   bool is_swapped_, is_second_;
 };
 
-/// Type and numbers per voxel of a code of NIfTI.
+/// Returns the type and the numbers per voxel for a NIfTI code.
 std::pair<ScalarType, int> nifti_type_of(int code) {
   switch (code) {
     case 2:
@@ -86,7 +87,7 @@ std::pair<ScalarType, int> nifti_type_of(int code) {
     case 1280:
       return {ScalarType::uint64, 1};
     case 2304:
-      return {ScalarType::uint8, 4};  // RGBA
+      return {ScalarType::uint8, 4};  // code of RGBA
     default:
       throw Error(
           fmt::format("has numbers of the type {}; 2 (uint8), 4 (int16), 8 (int32), 16 (float32), 64 "
@@ -147,7 +148,7 @@ void set_place(ScalarGrid& grid, const NiftiHeader& h, const ScalarGridOptions& 
   place(grid, columns, origin, "RAS", options);
 }
 
-/// Returns the file with the numbers of a header that stands alone.
+/// Returns the file that contains the numbers of a separate header file.
 Path image_beside(const Path& file) {
   Path base = file;
   const bool is_packed = base.extension() == ".gz";

@@ -12,7 +12,7 @@ namespace aureole::grid_reader {
 
 namespace {
 
-/// Returns the text behind a key of the dictionary, up to the comma that ends it.
+/// Returns the value of a key of the dictionary as text, up to the comma that ends it.
 std::string value_of(std::string_view header, std::string_view key) {
   for (const char quote : {'\'', '"'}) {
     const std::string quoted = quote + std::string(key) + quote;

@@ -20,11 +20,11 @@ struct Field {
   int line = 0;
 };
 
-/// Fields by the name that the definition lists first.
+/// Fields of the header, by the name that the format's definition lists first.
 struct NrrdHeader {
   std::map<std::string, Field, std::less<>> fields;
-  std::vector<Field> listed;  ///< names of files behind "data file: LIST"
-  std::size_t end = 0;        ///< position behind the header
+  std::vector<Field> listed;  ///< names of files after "data file: LIST"
+  std::size_t end = 0;        ///< position of the first byte after the header
 };
 
 const std::map<std::string, std::string, std::less<>> kOtherNames = {
@@ -94,7 +94,7 @@ NrrdHeader header_of(std::string_view text) {
       throw Error(where,
                   fmt::format("has \"{}\" where \"field: value\" is expected, such as \"dimension: 3\"",
                               line.substr(0, 40)));
-    if (line.substr(colon, 2) == ":=") continue;  // the user's own keys
+    if (line.substr(colon, 2) == ":=") continue;  // skips keys of the user
     std::string name = lowered(trimmed(line.substr(0, colon)));
     if (const auto other = kOtherNames.find(name); other != kOtherNames.end()) name = other->second;
     if (std::find(kFields.begin(), kFields.end(), name) == kFields.end())
@@ -107,7 +107,7 @@ NrrdHeader header_of(std::string_view text) {
   return header;
 }
 
-/// The reader of one file: fields are read by functions that locate errors at their lines.
+/// The reader of one file. Functions that read fields locate their errors at the lines of the fields.
 class Nrrd {
 public:
   Nrrd(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options)
@@ -154,7 +154,7 @@ private:
     return Error({{}, found == header_.fields.end() ? 0 : found->second.line, 0}, message);
   }
   bool has(std::string_view field) const { return header_.fields.contains(field); }
-  /// Returns read(value) of a field that must be there.
+  /// Returns read(value) of a required field.
   template <class Read>
   std::invoke_result_t<const Read&, const std::string&> at(const char* field, const Read& read) const {
     const auto found = header_.fields.find(field);
@@ -230,7 +230,7 @@ private:
     });
   }
 
-  /// The directions of the axes: a vector, or nothing for an axis that is none of space.
+  /// Returns the directions of the axes: a vector, or nothing for an axis that is not spatial.
   std::vector<std::optional<std::array<double, 3>>> directions(std::size_t count) const {
     std::vector<std::optional<std::array<double, 3>>> all;
     at("space directions", [&](const std::string& text) {
@@ -268,7 +268,7 @@ private:
     return {v[0], v[1], v[2]};
   }
 
-  /// Finds what each axis is: 'x', 'y', 'z', 'c' or 't'.
+  /// Determines the role of each axis: 'x', 'y' or 'z' in space, 'c' for channels or 't' for time.
   void roles(const std::vector<std::int64_t>& sizes) {
     const std::size_t n = sizes.size();
     std::vector<std::string> kinds(n, "???");
@@ -314,7 +314,7 @@ private:
     const std::int64_t lines = skip("line skip"), byte_skip = skip("byte skip");
     if (lines < 0) throw error("line skip", "has a line skip below 0");
     std::vector<std::string> names;
-    std::size_t sub_dimension = sizes.size() - 1;  // of a file of several
+    std::size_t sub_dimension = sizes.size() - 1;  // number of dimensions of one file of several
     if (has("data file"))
       at("data file", [&](const std::string& v) {
         const std::vector<std::string> words = words_of(v);
@@ -339,14 +339,14 @@ private:
     }
     std::uint64_t each = count;
     if (names.size() > 1) {
-      // Files are slices of the first axes; together they fill the grid.
+      // Each file is a slice of the first axes; together they fill the grid.
       each = 1;
       for (std::size_t i = 0; i < sub_dimension; ++i) each *= std::uint64_t(sizes[i]);
       if (each * names.size() != count) {
         if (sub_dimension != sizes.size() || count % names.size() != 0)
           throw error("data file", fmt::format("has {} files of {} numbers each for a grid of {}",
                                                names.size(), each, count));
-        each = count / names.size();  // slabs along the last axis
+        each = count / names.size();  // each file is a slab along the last axis
       }
     }
     std::vector<SharedBytes> pieces;
@@ -383,7 +383,8 @@ private:
     return source.from(at);
   }
 
-  /// Returns the letters of a space's directions: "RAS"; empty where it has none.
+  /// Returns the letters of the directions of the axes of space, such as "RAS"; empty where the file names
+  /// none.
   std::string space() const {
     if (!has("space")) return "";
     return at("space", [](const std::string& v) {
@@ -405,7 +406,7 @@ private:
     });
   }
 
-  /// Reads a field with a number for each axis and returns those of the three axes of space.
+  /// Reads a field with a number for each axis and returns the numbers of the three spatial axes.
   std::array<double, 3> per_axis(const char* field) const {
     const std::vector<double> all = at(field, [&](auto& v) { return numbers_of(v, roles_.size()); });
     std::array<double, 3> found{};
@@ -423,7 +424,7 @@ private:
       std::size_t k = 0;
       for (const auto& direction : directions(roles_.size()))
         if (direction) columns[k++] = *direction;
-      // The centre of the first sample, whatever the centering.
+      // The origin is the centre of the first sample, whatever the centering.
       if (has("space origin")) origin = at("space origin", [](auto& v) { return vector(v); });
       grid.spacing_is_stated = true;
       located("space directions", grid, columns, origin);
@@ -483,7 +484,7 @@ private:
     const char* const field = has("space units") ? "space units" : has("units") ? "units" : nullptr;
     if (!field || options_.unit_m) return;
     at(field, [&](const std::string& text) {
-      // Words in quotation marks.
+      // Reads words in quotation marks.
       std::vector<std::string> units;
       for (std::size_t i = text.find('"'); i != text.npos; i = text.find('"', i)) {
         const std::size_t end = text.find('"', i + 1);
@@ -491,7 +492,8 @@ private:
         units.push_back(text.substr(i + 1, end - i - 1));
         i = end + 1;
       }
-      if (field == std::string_view("units")) {  // for each axis, also those that are none of space
+      if (field ==
+          std::string_view("units")) {  // a number for each axis, including axes that are not spatial
         if (units.size() != roles_.size())
           throw Error(fmt::format("has {} units for {} axes", units.size(), roles_.size()));
         std::vector<std::string> kept;
@@ -519,7 +521,7 @@ private:
   const SharedBytes& bytes_;
   const ScalarGridOptions& options_;
   NrrdHeader header_;
-  std::string roles_;  ///< of the axes
+  std::string roles_;  ///< roles of the axes
 };
 
 }  // namespace

@@ -78,7 +78,7 @@ ScalarGrid read_vol_grid(const std::filesystem::path& file, const SharedBytes&,
   return grid;
 }
 
-/// Returns the reader of the format that the first bytes show, or null.
+/// Returns the reader of the format that the first bytes indicate, or null.
 Reader reader_of(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   using namespace grid_reader;
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
@@ -144,7 +144,7 @@ void ScalarGrid::read_row(int x, int y, int z, int channel, std::span<float> out
         out[i] = scales ? float(slope * double(stored) + intercept) : float(stored);
       }
     };
-    // The usual case apart, so that it is vectorised.
+    // The usual case is a loop of its own, so that it is vectorised.
     if (!is_swapped && !is_scaled && strides[0] == 1)
       convert(sizeof(T), std::false_type(), std::false_type());
     else if (is_scaled)
@@ -158,7 +158,7 @@ std::array<float, 2> ScalarGrid::range() const {
   std::array<float, 2> all{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
   std::mutex mutex;
   for_each_row(*this, [&](int, int, int, const std::vector<float>& row) {
-    // Eight at a time, as a vector.
+    // Values are converted eight at a time, as a vector.
     constexpr std::size_t kLanes = 8;
     float low[kLanes], high[kLanes];
     std::fill_n(low, kLanes, std::numeric_limits<float>::infinity());
@@ -181,7 +181,8 @@ std::array<float, 2> ScalarGrid::range() const {
 void ScalarGrid::check_finite() const {
   if (!is_floating(type) && std::abs(slope) < 1e15 && std::abs(intercept) < 1e30) return;
   std::mutex mutex;
-  std::array<int, 4> first{size[2], 0, 0, 0};  // z, y, x, channel: the first in the order of the file
+  // index (z, y, x, channel) of the first value in the order of the file
+  std::array<int, 4> first{size[2], 0, 0, 0};
   float bad = 0;
   for_each_row(*this, [&](int y, int z, int c, const std::vector<float>& row) {
     for (std::size_t x = 0; x < row.size(); ++x) {

@@ -34,18 +34,18 @@ enum class ScalarType : std::uint8_t {
   float64
 };
 std::size_t bytes_of(ScalarType type);
-/// Returns the name of the type in numpy: "uint16".
+/// Returns the numpy name of a type, such as "uint16".
 const char* name_of(ScalarType type);
 
 struct ScalarGrid {
   std::array<int, 3> size{1, 1, 1};  ///< number of voxels along the three axes
   int channels = 1;                  ///< numbers per voxel
-  int frames = 1;                    ///< grids in the file, such as instants; one of them was chosen
+  int frames = 1;  ///< number of grids in the file, such as time steps; one of them was chosen
 
   ScalarType type = ScalarType::float32;
   SharedBytes numbers;      ///< stored numbers of the chosen frame; need not be aligned
-  bool is_swapped = false;  ///< stored with the most significant byte first
-  /// Distance of successive numbers along x, y, z and of successive channels, in numbers.
+  bool is_swapped = false;  ///< whether numbers are stored with the most significant byte first
+  /// Distance between successive numbers along x, y, z and between successive channels, counted in numbers.
   std::array<std::int64_t, 4> strides{1, 1, 1, 1};
   double slope = 1, intercept = 0;  ///< value = slope * stored number + intercept
 
@@ -54,18 +54,20 @@ struct ScalarGrid {
   /// directions have their own coordinates here. Never singular.
   Transform index_to_ras;
   double unit_m = 1e-3;            ///< metres per unit of length of `index_to_ras`
-  bool unit_is_stated = false;     ///< whether the file states it; else it is a millimetre
-  bool spacing_is_stated = false;  ///< whether the file states the distance of its voxels; else it is 1
+  bool unit_is_stated = false;     ///< whether the file states the unit; else it is a millimetre
+  bool spacing_is_stated = false;  ///< whether the file states the distance between voxels; else it is 1
   bool has_transform = false;      ///< whether the format can state a position in space
-  std::string format, space;       ///< "NRRD"; "LPS", or empty for a space without anatomical directions
-  std::vector<std::string> notes;  ///< parts of the file that have no effect
+  /// name of the format, such as "NRRD"; and letters of the directions, such as "LPS", or empty for a space
+  /// without anatomical directions
+  std::string format, space;
+  std::vector<std::string> notes;                    ///< parts of the file that have no effect
   std::vector<std::filesystem::path> further_files;  ///< files with numbers, besides the one that was named
 
   /// Returns the value at a voxel inside the grid.
   float value(int x, int y, int z, int channel = 0) const;
   /// Sets out[i] to the value at voxel (x + i, y, z).
   void read_row(int x, int y, int z, int channel, std::span<float> out) const;
-  /// Returns the smallest and largest value of all channels; NaN is passed over. Reads all numbers.
+  /// Returns the smallest and largest value of all channels; NaN is skipped. Reads all numbers.
   std::array<float, 2> range() const;
   /// Returns the distance of neighbouring centres along the three axes, in units of `unit_m`.
   std::array<double, 3> spacing() const;
@@ -78,13 +80,14 @@ struct ScalarGrid {
 /// Choices among the contents of a file, and properties that it does not state.
 struct ScalarGridOptions {
   std::string array;  ///< name of an array of a .vti file; empty: its active scalars, else its first array
-  int frame = 0;      ///< of a file with several, counted from 0
-  bool is_series = false;        ///< the file is a slice, one of a numbered series in its folder
-  std::optional<double> unit_m;  ///< instead of the unit of length that the file states
-  std::string space;  ///< instead of the file's: "RAS", "LPS", ...: directions of increasing coordinates
-  /// For files that state no distance of their voxels; an error for those that do.
+  int frame = 0;      ///< index of the frame in a file with several, from 0
+  bool is_series = false;        ///< whether the file is a slice, one of a numbered series in its folder
+  std::optional<double> unit_m;  ///< unit of length that replaces the one in the file [m]
+  std::string space;  ///< directions of increasing coordinates that replace the file's: "RAS", "LPS", ...
+  /// Distances between voxels for files that state none; an error for files that state them.
   std::optional<std::array<double, 3>> spacing;
-  std::optional<std::array<double, 3>> origin;  ///< centre of the first voxel, for those files
+  std::optional<std::array<double, 3>>
+      origin;  ///< centre of the first voxel, for files that state no distances
 };
 
 /// Reads a grid from a file of the formats NRRD, MetaImage, NIfTI, .vti, .npy, TIFF and .vol, recognised by its
@@ -95,7 +98,8 @@ ScalarGrid read_scalar_grid(const std::filesystem::path& file, const ScalarGridO
 /// Returns the numbers of a grid in memory, without a copy.
 ScalarGrid grid_of_voxels(const std::shared_ptr<const VoxelData>& data);
 
-/// Whether a file begins as one of these formats, TIFF excepted, which may be a picture. Throws Error if it cannot be read.
+/// Whether a file begins like one of these formats; TIFF is excluded, since it may be a picture. Throws Error
+/// if the file cannot be read.
 bool is_scalar_grid_file(const std::filesystem::path& file);
 
 }  // namespace aureole

@@ -76,7 +76,7 @@ ScalarType tiff_type_of(const Page& p) {
 class TiffPages {
 public:
   explicit TiffPages(const SharedBytes& file) : file_(file), bytes_{file.bytes} {
-    // libtiff would print messages to standard error.
+    // Silences libtiff, which would print messages to standard error.
     static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
     (void)quiet;
     tiff_.reset(TIFFClientOpen(
@@ -109,14 +109,15 @@ public:
   bool is_swapped() const { return TIFFIsByteSwapped(tiff_.get()); }
   std::uint64_t page_bytes() const { return row_bytes_ * first_.height; }
 
-  /// The number of slices behind one page, as ImageJ writes stacks of more than 4 GB; else 0.
+  /// Returns the number of slices that follow one page, as ImageJ writes stacks of more than 4 GB; else 0.
   int slices_behind() const {
     const char* description = nullptr;
     if (!TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &description) || !description) return 0;
     const char* const images = std::strstr(description, "\nimages=");
     return images && std::strncmp(description, "ImageJ=", 7) == 0 ? std::max(0, std::atoi(images + 8)) : 0;
   }
-  /// Returns the bytes of `count` slices that follow the first pixel without gaps, mapped; in the file's order.
+  /// Returns the bytes of `count` slices that follow the first pixel without gaps, mapped and in the file's
+  /// byte order.
   SharedBytes contiguous(std::uint64_t count) const {
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_COMPRESSION, &compression);
@@ -164,7 +165,7 @@ private:
         const auto got = is_tiled ? TIFFReadTile(tiff_.get(), piece.data(), x0, y0, 0, 0)
                                   : TIFFReadScanline(tiff_.get(), piece.data(), y0, 0);
         if (got < 0) throw Error("is truncated or a damaged TIFF");
-        // Memory is taken as rows are read: sizes alone claim nothing.
+        // Memory is allocated as rows are read, so that stated sizes alone allocate nothing.
         const std::uint32_t rows = std::min(first_.height - y0, height);
         const std::size_t wanted = begin + std::size_t(row_bytes_ * (y0 + rows));
         if (out.size() < wanted) out.resize(wanted);
@@ -207,7 +208,7 @@ ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const Sca
         throw Error("has another size or type than the first slice, " + files[0].filename().string());
       const int behind = options.is_series ? 0 : stack.slices_behind();
       if (behind > 1) {
-        // One page with all slices, or as many pages, which are read one by one.
+        // The slices are those behind one page, or pages that are read one by one.
         std::vector<std::byte> read;
         const std::size_t found = stack.append(read, kMaxFiles);
         if (found == 1) {

@@ -19,11 +19,12 @@ namespace aureole::grid_reader {
 
 namespace {
 
-/// Decompresses a block to at most so many bytes.
+/// Decompresses a block to at most `size` bytes.
 using Unpack = SharedBytes(const SharedBytes& block, std::uint64_t size);
 
 SharedBytes lz4_block(const SharedBytes& block, std::uint64_t size) {
-  // A byte of a block stands for 255 at most, so that a small file claims little memory.
+  // Bound of the decompressed size: a byte of a block represents 255 bytes at most, so that a small file
+  // allocates little memory.
   if (size > 255 * std::uint64_t(block.size()) || size > LZ4_MAX_INPUT_SIZE)
     throw Error("has a compressed block that is too short for its size");
   std::vector<std::byte> out{std::size_t(size)};
@@ -37,7 +38,7 @@ SharedBytes lz4_block(const SharedBytes& block, std::uint64_t size) {
 SharedBytes lzma_block(const SharedBytes& block, std::uint64_t size) {
   require_content(double(size), double(block.size()), 1100);
   std::vector<std::byte> out{std::size_t(size)};
-  std::uint64_t memory = std::uint64_t(256) << 20;  // what its dictionary may take
+  std::uint64_t memory = std::uint64_t(256) << 20;  // memory limit of the decompressor, for its dictionary
   std::size_t read = 0, written = 0;
   const lzma_ret status = lzma_stream_buffer_decode(
       &memory, 0, nullptr, reinterpret_cast<const std::uint8_t*>(block.bytes.data()), &read, block.size(),
@@ -115,7 +116,7 @@ public:
 private:
   static constexpr std::int64_t kFarthest = std::int64_t(1) << 31;
 
-  /// Parses the text; numbers appended in raw form would be no XML and are left out.
+  /// Parses the text. Numbers that are appended in raw form are not XML and are left out.
   void parse() {
     const std::string_view all(reinterpret_cast<const char*>(bytes_.bytes.data()), bytes_.size());
     const std::size_t tag = all.find("<AppendedData");
@@ -132,7 +133,7 @@ private:
         throw Error(line_of(tag), "has AppendedData with an unknown encoding; raw and base64 are known");
       text = all.substr(0, tag);
     }
-    // The cut text lacks the ends of elements, which the parser reports although it has read what there is.
+    // The parser reports the missing end tags of the cut text, although it has read all elements.
     const pugi::xml_parse_result result =
         document_.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
     const bool is_cut = has_appended_ && result.status == pugi::status_end_element_mismatch;
@@ -234,7 +235,7 @@ private:
     return number;
   }
 
-  /// Returns the characters of base64 that hold `bytes` bytes, without blanks and other characters behind them.
+  /// Returns the base64 characters that encode `bytes` bytes, without blanks and characters behind them.
   static std::string characters(std::string_view text, std::uint64_t bytes, std::size_t& at) {
     const std::uint64_t wanted = (bytes + 2) / 3 * 4;
     std::string found;
@@ -246,7 +247,7 @@ private:
     return found;
   }
 
-  /// Reads numbers behind their header: their bytes, or the sizes of compressed blocks.
+  /// Reads numbers that follow their header, which is their size in bytes or the sizes of compressed blocks.
   SharedBytes unpacked(const SharedBytes& source, bool is_base64, std::uint64_t count,
                        ScalarType type) const {
     const std::uint64_t needed = count * bytes_of(type);
@@ -265,7 +266,7 @@ private:
                                 stated, needed));
       return decode(all, Encoding::raw, std::int64_t(header_bytes_), count, type);
     }
-    // Number of blocks, their size, size of the last where it is smaller, compressed sizes.
+    // The header: number of blocks, their size, size of the last block where it is smaller, compressed sizes.
     std::size_t at = 0;
     std::uint64_t blocks = 0;
     const auto header = [&](std::uint64_t numbers) {
@@ -353,7 +354,7 @@ private:
   pugi::xml_document document_;
   SharedBytes appended_;
   bool has_appended_ = false, is_appended_base64_ = false, is_swapped_ = false;
-  Unpack* unpack_ = nullptr;  ///< null: the numbers are not compressed
+  Unpack* unpack_ = nullptr;  ///< decompressor of the numbers; null: they are not compressed
   std::size_t header_bytes_ = 4;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // EULUMDAT (A. W. Stockmar, "EULUMDAT - ein Leuchtendatenformat fuer den europaeischen Beleuchtungsplaner", Licht '90,
-// pp. 641-644): one value a line.
+// pp. 641-644): one value on each line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ class ValueLines {
 public:
   ValueLines(std::string_view text, const std::filesystem::path& file) : text_(text), file_(file) {}
 
-  /// The next line without blanks around it; `meaning` is its name in errors.
+  /// Returns the next line without blanks around it; `meaning` is its name in errors.
   std::string_view text(const std::string& meaning) {
     if (at_ > text_.size() || (at_ == text_.size() && number_ > 0)) {
       ++number_;
@@ -36,7 +36,7 @@ public:
     if (first == line.npos) return {};
     return line.substr(first, line.find_last_not_of(" \t\r\x1a") - first + 1);
   }
-  /// A number with a decimal point or comma; an empty line is 0.
+  /// Returns a number with a decimal point or comma; an empty line is 0.
   double number(const std::string& meaning) {
     const std::string_view line = text(meaning);
     if (line.empty()) return 0;
@@ -59,7 +59,7 @@ public:
     return std::size_t(value);
   }
   std::vector<double> list(std::size_t count, const std::string& meaning) {
-    // Each number takes a line, so that memory is bounded by the size of the file.
+    // Bound of the count: each number takes a line, so that memory is bounded by the size of the file.
     if (count > text_.size() - std::min(at_, text_.size()) + 1)
       throw error(fmt::format("the file is too short for {} numbers ({})", count, meaning));
     std::vector<double> all(count);
@@ -78,7 +78,8 @@ private:
   const std::filesystem::path& file_;
 };
 
-/// The index of the first half-plane in a file and their number, by the indicator of symmetry.
+/// Returns the index of the first half-plane in a file and the number of half-planes, by the indicator of
+/// symmetry.
 std::pair<std::size_t, std::size_t> stored_half_planes(std::size_t symmetry, std::size_t planes,
                                                        const ValueLines& lines) {
   const auto divisible = [&](std::size_t n) {
@@ -125,7 +126,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   const auto keep = [&](const char* name) { keywords.emplace_back(name, std::string(lines.text(name))); };
   if (text.find_first_not_of(" \t\r\n") == text.npos) throw fault(file, 1, 1, "the file is empty");
   keep("MANUFAC");
-  // Both formats begin with free text, so that this is where other files are found out.
+  // Both formats begin with free text, so that files of other formats are detected at this number.
   try {
     lines.whole("the type indicator, 1, 2 or 3", 0, 3);
   } catch (const Error& e) {
@@ -175,7 +176,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   for (std::size_t i = 0; i < sets; ++i) {
     LampSet& set = lamps.emplace_back();
     set.count = lines.number("the number of lamps");
-    if (i == options.lamp_set) is_absolute = set.count < 0;  // the flux is that of the luminaire
+    if (i == options.lamp_set) is_absolute = set.count < 0;  // the flux is the flux of the luminaire
     set.count = std::abs(set.count);
     set.type = lines.text("the type of the lamps");
     set.flux = lines.non_negative("the flux of the lamps");
@@ -235,7 +236,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   if (symmetry == 1) {
     table.horizontal = {0};
   } else if (symmetry == 3) {
-    // Stored from C = 270 through 0 to 90.
+    // The half-planes are stored from C = 270 through 0 to 90.
     expect(0, 0), expect(planes / 4, 90), expect(first, 270);
     std::vector<double> angles;
     for (std::size_t i = 0; i < stored; ++i) {
@@ -243,7 +244,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
       angles.push_back(k < planes ? table.horizontal[k] - 360 : table.horizontal[k - planes]);
     }
     table.horizontal = angles;
-    mirror(table, 90);  // -90 to 270
+    mirror(table, 90);  // half-planes from -90 to 270
     MeasuredTable whole{{}, table.vertical, {}, table.type};
     const auto take = [&](double shift, double from, double to) {
       for (std::size_t i = 0; i < table.horizontal.size(); ++i) {
@@ -302,7 +303,8 @@ std::string eulumdat_text(const Luminaire& luminaire) {
     if (count < 2) return 0.0;
     const double first = angles[1] - angles[0];
     for (std::size_t i = 1; i < count; ++i)
-      if (std::abs(angles[i] - angles[i - 1] - first) > 1e-6) return 0.0;  // angles at unequal distances
+      if (std::abs(angles[i] - angles[i - 1] - first) > 1e-6)
+        return 0.0;  // the angles have unequal distances
     return first;
   };
   const auto keyword = [&](const char* name) {
@@ -329,7 +331,7 @@ std::string eulumdat_text(const Luminaire& luminaire) {
   for (const char* name : {"TEST", "LUMINAIRE", "LUMCAT"}) line(keyword(name));
   line(keyword("FILENAME").substr(0, 8));
   line(keyword("ISSUEDATE"));
-  for (int pass = 0; pass < 2; ++pass) {  // the luminaire, then its luminous area
+  for (int pass = 0; pass < 2; ++pass) {  // the first pass reads the luminaire, the second its luminous area
     value(millimetres(0)), value(is_round ? 0 : millimetres(1));
     if (pass == 0) value(millimetres(2));
   }

@@ -20,13 +20,13 @@ namespace {
 
 using optics::PhotometricType;
 
-/// Numbers of a text, separated by blanks, commas and line ends.
+/// Reads the numbers of a text, separated by blanks, commas and line ends.
 class NumberWords {
 public:
   NumberWords(std::string_view text, std::size_t begin, int line, const std::filesystem::path& file)
       : text_(text), at_(begin), line_(line), line_begin_(begin), file_(file) {}
 
-  /// The next number; `meaning` is its name in errors.
+  /// Returns the next number; `meaning` is its name in errors.
   double number(const std::string& meaning) {
     skip();
     begin_ = at_;
@@ -34,7 +34,7 @@ public:
     while (at_ < text_.size() && !ends(text_[at_])) ++at_;
     const std::string_view word = text_.substr(begin_, at_ - begin_);
     if (word.empty()) throw error("the file ends where " + meaning + " should be");
-    // std::from_chars accepts no plus sign.
+    // The sign is removed, since std::from_chars accepts no plus sign.
     const auto value = pigment::finite_number(word.front() == '+' ? word.substr(1) : word);
     if (!value) throw error("expected " + meaning + ", got \"" + std::string(word.substr(0, 40)) + "\"");
     return *value;
@@ -46,7 +46,8 @@ public:
     return std::size_t(value);
   }
   std::vector<double> list(std::size_t count, const std::string& meaning) {
-    // Each number takes a character and a separator, so that memory is bounded by the size of the file.
+    // Bound of the count: each number takes a character and a separator, so that memory is bounded by the
+    // size of the file.
     if (count > (text_.size() - at_) / 2 + 1)
       throw error(fmt::format("the file is too short for {} numbers ({})", count, meaning));
     std::vector<double> all(count);
@@ -58,7 +59,7 @@ public:
     skip();
     return at_ >= text_.size();
   }
-  /// An error at the last number.
+  /// Returns an error located at the last number.
   Error error(const std::string& message) const {
     return fault(file_, line_, int(std::min(begin_, text_.size()) - line_begin_) + 1, message);
   }
@@ -87,7 +88,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r\f") - first + 1);
 }
 
-/// The year of the standard by the first line of a file; 1986 for any other line.
+/// Returns the year of the standard by the first line of a file; 1986 for any other line.
 int year_of(std::string_view first) {
   if (first.starts_with("IESNA91")) return 1991;
   for (const int year : {1986, 1991, 1995, 2002, 2019})
@@ -114,8 +115,8 @@ LampTilt read_tilt(NumberWords& words) {
   return tilt;
 }
 
-/// The luminous opening by the signs of its sizes: negative ones belong to a round section (LM-63-2002, table 1;
-/// older editions leave out the second diameter of a circle).
+/// Returns the luminous opening by the signs of its sizes: negative sizes mean a round section (LM-63-2002,
+/// table 1; older editions leave out the second diameter of a circle).
 LuminousOpening opening_of(double width, double length, double height, PhotometricType type,
                            const NumberWords& words) {
   LuminousOpening o;
@@ -169,7 +170,7 @@ void check_angles(const std::vector<double>& angles, double min, double max, con
 /// Completes the half-planes of a table of type C. Returns its symmetry in words.
 std::string complete_half_planes(MeasuredTable& t, std::vector<std::string>& notes,
                                  const NumberWords& words) {
-  constexpr double kSame = 1e-3;  // degrees
+  constexpr double kSame = 1e-3;  // tolerance of equal angles [degrees]
   const double first = t.horizontal.front(), last = t.horizontal.back();
   const auto near = [](double a, double b) { return std::abs(a - b) < kSame; };
   if (t.horizontal.size() == 1) {
@@ -193,7 +194,7 @@ std::string complete_half_planes(MeasuredTable& t, std::vector<std::string>& not
   }
   if (near(first, 90) && near(last, 270)) {
     t.horizontal.front() = 90, t.horizontal.back() = 270;
-    mirror(t, 270);  // 90 to 450: the half-planes from 360 on come first
+    mirror(t, 270);  // half-planes from 90 to 450, of which those from 360 on come first
     const std::size_t rows = t.vertical.size();
     std::vector<double> horizontal, candela;
     const auto take = [&](double shift, double from, double to) {
@@ -206,7 +207,8 @@ std::string complete_half_planes(MeasuredTable& t, std::vector<std::string>& not
       }
     };
     take(360, 0, 90), take(0, 90, 360 + kSame);
-    if (horizontal.front() > 0) {  // no half-plane at 0 and 180: the seam lies between two half-planes
+    // without half-planes at 0 and 180 degrees, the seam lies between two half-planes
+    if (horizontal.front() > 0) {
       const double seam = 0;
       MeasuredTable whole{horizontal, t.vertical, candela, t.type};
       const double before = horizontal.back() - 360, after = horizontal.front();
@@ -225,7 +227,7 @@ std::string complete_half_planes(MeasuredTable& t, std::vector<std::string>& not
       t.horizontal.back() = 360;
       return "none";
     }
-    // Editions before 2002 end before 360, because that is 0 again.
+    // Editions before 2002 end before 360 degrees, since that is 0 again.
     notes.push_back(
         fmt::format("the horizontal angles end at {:g}: from there to 360 degrees the intensities lead to "
                     "those of 0 degrees",
@@ -283,7 +285,7 @@ std::vector<std::pair<std::string, std::string>> keywords_of(std::string_view te
       else
         all.emplace_back(name, value);
     } else if (!line.empty() && !line.starts_with("IES")) {
-      all.emplace_back("", std::string(line));  // LM-63-1986 has lines without keywords
+      all.emplace_back("", std::string(line));  // a line without a keyword, as in LM-63-1986
     }
   }
   return all;
@@ -372,7 +374,8 @@ Luminaire read_ies(const std::string& text, const std::filesystem::path& file,
     if (!(size < 1e4)) throw words.error(fmt::format("the luminous opening of {:g} m is too large", size));
   const double ballast = words.number("the ballast factor");
   if (!(ballast > 0)) throw words.error("the ballast factor must be positive, got " + shown_number(ballast));
-  // The next number is a factor until 1995, reserved (1) in 2002, and says since 2019 how the file was made.
+  // The next number is a factor until 1995 and reserved (1) in 2002; since 2019 it is the type of the file's
+  // source.
   double lamp_factor = words.number(year >= 2019   ? "the type of the file's generation"
                                     : year >= 2002 ? "the reserved number 1"
                                                    : "the ballast-lamp photometric factor");
@@ -407,7 +410,7 @@ Luminaire read_ies(const std::string& text, const std::filesystem::path& file,
                : type == PhotometricType::a ? 180
                                             : 90,
                "horizontal", words);
-  const NumberWords angles = words;  // errors about the angles are located there
+  const NumberWords angles = words;  // position of the angles, at which their errors are located
   if (rows < 2) throw words.error("a distribution needs at least 2 vertical angles");
   if (columns > words.left() / (2 * rows) + 1)
     throw words.error(fmt::format("the file is too short for {} x {} intensities", columns, rows));
@@ -482,7 +485,7 @@ std::string ies_text(const Luminaire& luminaire) {
   const double per_lamp = luminaire.is_absolute ? -1 : lamps.flux / lamps.count;
   s += fmt::format("{:g} {:.6g} 1 {} {} 1 2 {:.6g} {:.6g} {:.6g}\n", lamps.count, per_lamp,
                    d.polar_angles().size(), planes.size(), size[1], size[0], size[2]);
-  s += fmt::format("1 1.00010 {:.6g}\n", lamps.watts);  // 1.00010: the file comes from a simulation
+  s += fmt::format("1 1.00010 {:.6g}\n", lamps.watts);  // type 1.00010: the file comes from a simulation
   const auto add = [&](std::size_t count, const auto& number) {
     std::string line;
     for (std::size_t i = 0; i < count; ++i) {

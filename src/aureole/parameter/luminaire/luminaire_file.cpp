@@ -48,7 +48,8 @@ Luminaire parse_luminaire(std::string text, const std::filesystem::path& file,
                           const LuminaireOptions& options) {
   std::vector<std::string> notes;
   const std::string utf8 = pigment::utf8_text(std::move(text), &notes);
-  // A file of LM-63 has a line that begins with TILT=, even where it lacks the line with the name of the format.
+  // A file of LM-63 has a line that begins with TILT=, even where the line with the name of the format is
+  // missing.
   Luminaire luminaire = luminaire_reader::find_tilt_line(utf8) && !has_lines_of_eulumdat(utf8)
                             ? luminaire_reader::read_ies(utf8, file, options)
                             : luminaire_reader::read_eulumdat(utf8, file, options);
@@ -103,7 +104,8 @@ optics::IntensityDistribution make_distribution(const MeasuredTable& table,
         &candela = table.candela;
   const std::size_t columns = horizontal.size(), rows = vertical.size();
   if (table.type == optics::PhotometricType::c) return {axes, horizontal, vertical, candela};
-  // The polar angle is 90 degrees minus the angle from the plane across the pole, so that its order turns around.
+  // The polar angle is 90 degrees minus the angle from the plane across the pole, so that the order of the
+  // angles is reversed.
   std::vector<double> polar, cd(columns * rows);
   const bool is_a = table.type == optics::PhotometricType::a;
   const std::vector<double>&azimuth = is_a ? horizontal : vertical, &elevation = is_a ? vertical : horizontal;
@@ -118,14 +120,15 @@ optics::IntensityDistribution make_distribution(const MeasuredTable& table,
 
 void mirror(MeasuredTable& table, double about) {
   const std::size_t rows = table.vertical.size(), columns = table.horizontal.size();
-  std::vector<std::pair<double, std::size_t>> all;  // angle and the half-plane that it copies
+  std::vector<std::pair<double, std::size_t>>
+      all;  // pairs of an angle and the half-plane that is copied to it
   for (std::size_t i = 0; i < columns; ++i) {
     all.emplace_back(table.horizontal[i], i);
     const double image = 2 * about - table.horizontal[i];
     if (image != table.horizontal[i]) all.emplace_back(image, i);
   }
   std::sort(all.begin(), all.end());
-  // An angle that is the image of another one at the end of a full circle is kept once.
+  // An angle that duplicates another one at the end of a full circle is kept once.
   all.erase(
       std::unique(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
       all.end());
@@ -153,7 +156,8 @@ std::vector<double> turned_half_planes(const std::vector<double>& azimuths, doub
 
 optics::PhotometricAxes axes_of(optics::PhotometricType type, bool zero_is_across) {
   optics::PhotometricAxes axes = optics::photometric_axes(type);
-  // C = 0 across the luminaire is the half-plane that is C = 90 where C = 0 runs along it.
+  // Where C = 0 runs across the luminaire, it is the half-plane C = 90 of a luminaire whose C = 0 runs along
+  // it.
   if (zero_is_across) axes.zero = {0, -1, 0}, axes.quarter = {-1, 0, 0};
   return axes;
 }

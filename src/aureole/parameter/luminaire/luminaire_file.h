@@ -17,7 +17,7 @@ namespace aureole {
 /// The body from which a luminaire emits, with its centre at the photometric centre.
 struct LuminousOpening {
   enum class Shape { box, cylinder, ellipsoid } shape = Shape::box;
-  int axis = 2;  ///< of a cylinder with an elliptic section: 0, 1 or 2 for x, y or z
+  int axis = 2;  ///< axis of a cylinder with an elliptic section: 0, 1 or 2 for x, y or z
   /// Extents along x, y and z of the luminaire [m]; a box or cylinder may be flat, and all zero is a point.
   std::array<double, 3> size_m{};
 
@@ -43,40 +43,45 @@ struct LampTilt {
 
 struct Luminaire {
   enum class Format { ies, eulumdat } format = Format::ies;
-  std::string standard;                                       ///< "LM-63-2002", "EULUMDAT"
-  std::vector<std::pair<std::string, std::string>> keywords;  ///< of LM-63, or lines of text of EULUMDAT
+  std::string standard;  ///< name of the standard, such as "LM-63-2002" or "EULUMDAT"
+  std::vector<std::pair<std::string, std::string>>
+      keywords;  ///< keywords of LM-63, or lines of text of EULUMDAT
   optics::PhotometricType type = optics::PhotometricType::c;
-  std::string symmetry;  ///< in words, for reports
-  /// The intensities [cd] with all factors of the file, without that of a tilt. Symmetric ones are complete. The
-  /// coordinates are those of `photometric_axes`, x along the luminaire: C = 0 of EULUMDAT is -y there.
+  std::string symmetry;  ///< symmetry in words, for reports
+  /// The intensities [cd] with all factors of the file except the factor of a tilt. Symmetric ones are
+  /// completed. The coordinates are those of `photometric_axes`, with x along the luminaire, so that C = 0 of
+  /// EULUMDAT is -y.
   optics::IntensityDistribution distribution;
-  /// The rows behind `distribution` as the file has them, for reports: number of horizontal and vertical angles.
+  /// Numbers of horizontal and vertical angles in the file, from which `distribution` was made, for reports.
   std::size_t horizontal_count = 0, vertical_count = 0;
   LuminousOpening opening;
-  std::vector<LampSet> lamps;        ///< LM-63 has one
-  std::size_t lamp_set = 0;          ///< the set for which `distribution` holds
-  bool is_absolute = false;          ///< the intensities do not refer to the flux of lamps
-  LampTilt tilt{};                   ///< no angles: the flux does not depend on it
-  double output_ratio = 0;           ///< stated light output ratio; 0: not stated
-  double downward_fraction = 0;      ///< stated fraction of the flux below the horizontal; 0: not stated
-  std::vector<std::string> notes{};  ///< what was read otherwise than the file says, for the user
+  std::vector<LampSet> lamps;  ///< sets of lamps; LM-63 has one
+  std::size_t lamp_set = 0;    ///< index of the set of lamps to which `distribution` refers
+  /// whether the intensities are absolute, so that they do not refer to the flux of lamps
+  bool is_absolute = false;
+  LampTilt tilt{};               ///< factors by the tilt; without angles the flux does not depend on the tilt
+  double output_ratio = 0;       ///< stated light output ratio; 0: not stated
+  double downward_fraction = 0;  ///< stated fraction of the flux below the horizontal; 0: not stated
+  std::vector<std::string>
+      notes{};  ///< notes for the user on data that were not read as the file states them
 
   /// Luminous flux of the chosen lamps [lm]; 0: unknown.
   double lamp_flux() const { return is_absolute ? 0 : lamps.at(lamp_set).flux; }
 };
 
-/// How a file is read.
+/// Options for reading a file.
 struct LuminaireOptions {
-  std::size_t lamp_set = 0;  ///< of EULUMDAT, from 0
-  /// Flux of all lamps [lm], to which the intensities are scaled; 0: the one of the file.
+  std::size_t lamp_set = 0;  ///< index of the set of lamps in an EULUMDAT file, from 0
+  /// Flux of all lamps [lm], to which the intensities are scaled; 0: the flux in the file.
   double lamp_flux = 0;
-  /// Which direction of the luminaire has C = 0, for files of type C that deviate from their format.
+  /// Orientation of C = 0 relative to the luminaire, for files of type C that deviate from their format.
   enum class ZeroPlane { by_format, along, across } zero_plane = ZeroPlane::by_format;
   /// Called with each further file that the file names (TILT=file).
   std::function<void(const std::filesystem::path&)> on_file{};
 };
 
-/// Reads a file of either format, which its content decides. Throws Error located in the file.
+/// Reads a luminaire from a file; its content decides between the two formats. Throws Error located in the
+/// file.
 Luminaire read_luminaire(const std::filesystem::path& file, const LuminaireOptions& options = {});
 /// Reads the text of a file of that name.
 Luminaire parse_luminaire(std::string text, const std::filesystem::path& file,
@@ -90,10 +95,10 @@ std::string eulumdat_text(const Luminaire& luminaire);
 /// Compares the integral of the intensities with the flux of the lamps and the ratios that the file states.
 struct FluxBalance {
   double flux = 0;          ///< integral of the intensities [lm]
-  double lamp_flux = 0;     ///< of the lamps [lm]; 0: unknown or absolute photometry
+  double lamp_flux = 0;     ///< luminous flux of the lamps [lm]; 0: unknown or absolute photometry
   double output_ratio = 0;  ///< flux over lamp_flux; 0: unknown
-  double stated_ratio = 0;  ///< 0: the file states none
-  /// One sentence with these numbers.
+  double stated_ratio = 0;  ///< output ratio that the file states; 0: it states none
+  /// Returns one sentence with these numbers.
   std::string text() const;
 };
 FluxBalance flux_balance(const Luminaire& luminaire);

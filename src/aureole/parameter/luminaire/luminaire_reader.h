@@ -20,8 +20,8 @@ constexpr std::uint64_t kMaxLuminaireBytes = std::uint64_t(1) << 24;
 /// A line of a file, without its end.
 struct TextLine {
   std::string_view text;
-  int number = 0;         ///< from 1
-  std::size_t begin = 0;  ///< position of its first character
+  int number = 0;         ///< number of the line, from 1
+  std::size_t begin = 0;  ///< position of the line's first character
 };
 
 /// Returns the line that begins with TILT=, in any case; nothing if there is none.
@@ -35,7 +35,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
 [[nodiscard]] Error fault(const std::filesystem::path& file, int line, int column,
                           const std::string& message);
 
-/// Intensities [cd] over the angles [degrees] of a file: a row of vertical angles for each horizontal one.
+/// Intensities [cd] over the angles [degrees] of a file: a row of vertical angles for each horizontal angle.
 struct MeasuredTable {
   std::vector<double> horizontal, vertical, candela;
   optics::PhotometricType type = optics::PhotometricType::c;
@@ -45,9 +45,10 @@ optics::IntensityDistribution make_distribution(const MeasuredTable& table,
                                                 const optics::PhotometricAxes& axes);
 /// Adds to each half-plane its mirror image about the horizontal angle `about`; angles may leave [0, 360].
 void mirror(MeasuredTable& table, double about);
-/// The half-planes [degrees] of a table turned by `angle`, from 0 to 360; a single one stays.
+/// Returns the half-planes [degrees] of a table rotated by `angle`, from 0 to 360; a single half-plane is
+/// unchanged.
 std::vector<double> turned_half_planes(const std::vector<double>& azimuths, double angle);
-/// The axes of a type, where C = 0 may run across the luminaire.
+/// Returns the axes of a type, where C = 0 may run across the luminaire.
 optics::PhotometricAxes axes_of(optics::PhotometricType type, bool zero_is_across);
 
 }  // namespace aureole::luminaire_reader

@@ -36,8 +36,8 @@ bool Scanner::number(double& value) {
   const char* start = at < end && *at == '+' ? at + 1 : at;
   const auto [next, code] = std::from_chars(start, end, value);
   if (code == std::errc::result_out_of_range) {
-    // from_chars leaves the value unchanged. A number too small becomes zero; one too large becomes infinite,
-    // and its triangles are dropped.
+    // std::from_chars leaves the value unchanged for a number out of range. A number too small becomes zero;
+    // one too large becomes infinite, and its triangles are dropped.
     const bool small =
         std::string_view(start, std::size_t(next - start)).find("e-") != std::string_view::npos ||
         std::string_view(start, std::size_t(next - start)).find("E-") != std::string_view::npos;

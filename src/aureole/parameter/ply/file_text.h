@@ -10,7 +10,7 @@
 
 namespace aureole {
 
-/// A file in memory or mapped. Derived classes hold the bytes and say where its errors are located.
+/// A file in memory or mapped. Derived classes hold the bytes and define the location of its errors.
 class FileText {
 public:
   virtual ~FileText() = default;
@@ -21,7 +21,7 @@ public:
 
   /// Returns an Error that names the file.
   [[nodiscard]] virtual Error error(const std::string& message) const = 0;
-  /// Returns such an Error that also gives the line of the file that contains `at`.
+  /// Returns an Error that names the file and the line that contains `at`.
   [[nodiscard]] virtual Error error_at(const char* at, const std::string& message) const;
 
 protected:
@@ -48,9 +48,9 @@ struct Scanner {
     skip_blanks();
     return at >= end;
   }
-  /// Returns the next word, empty at the end.
+  /// Returns the next word; empty at the end.
   std::string_view word();
-  /// Returns what is left, without blanks around it.
+  /// Returns the remaining text of the line, without blanks around it.
   std::string_view rest();
   /// Reads a number. If there is none it returns false and consumes only blanks. Infinities and NaN are
   /// numbers here.

@@ -44,7 +44,7 @@ struct Header {
   const char* body = nullptr;  ///< the first byte after the header
 };
 
-/// Throws an Error that names the line.
+/// Reads the header. Throws an Error that names the line.
 Header read_header(const FileText& file);
 
 }  // namespace aureole::ply

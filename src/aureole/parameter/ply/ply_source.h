@@ -21,10 +21,10 @@ public:
     if (!s_.number(v)) throw file_.error_at(s_.at, "expected a number");
     return v;
   }
-  /// Upper bound: a value takes at least a digit and a blank.
+  /// Upper bound of the number of values that are left: a value takes at least a digit and a blank.
   std::size_t values_left() const { return std::size_t(s_.end - s_.at) / 2 + 1; }
   void require(std::size_t) {}
-  /// A record ends with its line; what else is in the line belongs to no property.
+  /// Skips the rest of the record's line, which belongs to no property.
   void end_record() {
     s_.skip_blanks();
     if (s_.at >= s_.end || *s_.at == '\n') return;
@@ -73,7 +73,7 @@ public:
     return 0;
   }
   std::size_t values_left() const { return std::size_t(end_ - at_); }
-  /// Throws unless `bytes` more bytes are available, so that they need no further checks.
+  /// Throws unless `bytes` more bytes are available, so that reading them needs no further checks.
   void require(std::size_t bytes) {
     if (std::size_t(end_ - at_) < bytes) throw file_.error("the file is truncated");
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours by direction in real spherical harmonics with the Condon-Shortley phase, as Gaussian splats have them
-// (KHR_gaussian_splatting, appendix on spherical harmonics; the signs are those of 3D Gaussian splatting).
+// Colours by direction in real spherical harmonics with the Condon-Shortley phase, as Gaussian splats store
+// them (KHR_gaussian_splatting, appendix on spherical harmonics; signs as in 3D Gaussian splatting).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace aureole {
 
-/// Y_00: a colour of 1 has the coefficient 0.5 / kHarmonic0.
+/// The constant function Y_00. A colour of 1 has the coefficient 0.5 / kHarmonic0.
 inline constexpr float kHarmonic0 = 0.28209479177387814f;
 inline constexpr int kMaxHarmonicDegree = 3;
 
@@ -39,7 +39,7 @@ inline void eval_harmonics(int degree, const Vec3& d, float* out) {
 
 /// Whether function number `k` changes its sign where an axis of the direction (0: x, 1: y, 2: z) is reversed.
 constexpr bool is_odd_harmonic(int k, int axis) {
-  // Bits 0 to 2: whether the polynomial is odd in x, y, z.
+  // Bits 0 to 2 of each entry: whether that polynomial is odd in x, y, z.
   constexpr unsigned char kOdd[16] = {0, 2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
   return (kOdd[k] >> axis & 1) != 0;
 }

@@ -43,7 +43,7 @@ bool is_finite_splat(const SplatCloud& c, std::size_t i) {
   return finite;
 }
 
-/// Leaves out splats for which `is_good` is false. Returns how many, and the number of the first.
+/// Leaves out splats for which `is_good` is false. Returns their number, and the index of the first.
 template <class IsGood>
 std::size_t keep_splats(SplatCloud& c, const IsGood& is_good, std::size_t& first) {
   std::vector<char> good(c.size());
@@ -70,8 +70,8 @@ std::size_t keep_splats(SplatCloud& c, const IsGood& is_good, std::size_t& first
   return dropped;
 }
 
-/// Turns the numbers of the file's axes into those of the cloud: some axes are reversed, S = diag(+-1). Rotations become
-/// S R S, which turns the same ellipsoid.
+/// Changes the cloud from the file's axes to its own: some axes are reversed, S = diag(+-1). A rotation R
+/// becomes S R S, which rotates the mirrored ellipsoid.
 void reverse_axes(SplatCloud& c) {
   const Vec3 s{c.axes[0] == 'R' ? 1.f : -1.f, c.axes[1] == 'U' ? 1.f : -1.f, c.axes[2] == 'B' ? 1.f : -1.f};
   if (s == Vec3{1, 1, 1}) return;
@@ -93,7 +93,7 @@ void reverse_axes(SplatCloud& c) {
   });
 }
 
-/// Checks all numbers, makes rotations unit quaternions and turns the axes.
+/// Checks all numbers, normalises the quaternions and changes the axes.
 void finish_cloud(SplatCloud& c, const SplatFileOptions& options) {
   const std::size_t all = c.size();
   std::size_t first;

@@ -56,7 +56,7 @@ public:
       throw Error(fmt::format("has {} bytes of JSON; {} are possible", text.size(), kMaxText));
     const char* begin = reinterpret_cast<const char*>(text.bytes.data());
     try {
-      // Nested deeper than any glTF, text would exhaust the stack.
+      // Upper bound of the nesting of JSON, deeper than any glTF, since deeper text would exhaust the stack.
       static constexpr int kMaxDepth = 64;
       document_ = json::parse(begin, begin + text.size(), [](int depth, json::parse_event_t, json&) {
         if (depth > kMaxDepth) throw Error(fmt::format("has JSON nested more than {} deep", kMaxDepth));
@@ -80,7 +80,7 @@ public:
   const json& document() const { return document_; }
   const std::vector<Path>& further_files() const { return further_; }
 
-  /// The numbers of an accessor, `width` of each element.
+  /// The numbers of an accessor; each element has `width` numbers.
   struct Numbers {
     std::vector<float> values;
     std::size_t count = 0;
@@ -242,7 +242,7 @@ Transform node_transform(const json& node) {
 /// The rotation and the scale of a node; other transforms of splats are undefined (KHR_gaussian_splatting, geometry).
 struct SplatPlacement {
   Transform to_world;
-  std::array<double, 4> rotation;  ///< w, x, y, z
+  std::array<double, 4> rotation;  ///< quaternion w, x, y, z
   double scale;
 };
 

@@ -30,7 +30,7 @@ public:
   }
 };
 
-/// A property that is kept: its place in a record, and its place among the kept numbers.
+/// A property that is kept: its position in a record, and its index among the kept numbers.
 struct KeptProperty {
   std::size_t index, offset, slot;
   ply::Type type;
@@ -69,7 +69,7 @@ float number_at(const char* at, ply::Type type) {
   return 0;
 }
 
-/// The element `vertex`, by names of its properties.
+/// The element `vertex`; its properties are found by name.
 class VertexTable {
 public:
   VertexTable(const SplatText& text, const ply::Header& header) : text_(text), header_(header) {
@@ -122,7 +122,7 @@ public:
     kept_.push_back(found->second);
     used_.insert(name);
   }
-  /// Says what the properties are for, in errors.
+  /// Sets the purpose of the properties, which errors state.
   void set_purpose(std::string purpose) { purpose_ = std::move(purpose); }
 
   /// Calls `use(i, numbers)` for each vertex, in parallel where records have a fixed size; `numbers` are the kept
@@ -204,13 +204,15 @@ SplatCloud read_gaussians(VertexTable& table) {
   if (stored > degree)
     c.notes.push_back("has spherical harmonics of degree 4; those up to degree 3 are used");
   table.set_purpose("a Gaussian splat");
-  const bool is_flat = table.has("scale_1") && !table.has("scale_2");  // 2D Gaussian splatting
+  // whether the splats are flat, as in 2D Gaussian splatting
+  const bool is_flat = table.has("scale_1") && !table.has("scale_2");
   for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
                            is_flat ? "scale_1" : "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
     table.keep(name);
   constexpr std::size_t kRest = 14;
   for (std::size_t k = 0; k < rest; ++k) table.keep(fmt::format("f_rest_{}", k));
-  for (const char* name : {"nx", "ny", "nz"}) table.ignore(name);  // written as 0 by the first program
+  // ignored, since the original program writes normals of 0
+  for (const char* name : {"nx", "ny", "nz"}) table.ignore(name);
   if (is_flat) c.notes.push_back("has two scales per splat: splats are flat, their third scale is 0");
   c.resize(table.count(), degree);
   const std::size_t terms = c.coefficients() - 1, channel = rest / 3;
@@ -221,13 +223,14 @@ SplatCloud read_gaussians(VertexTable& table) {
     c.rotations[i] = {v[10], v[11], v[12], v[13]};
     float* h = &c.harmonics[3 * c.coefficients() * i];
     for (std::size_t k = 0; k < 3; ++k) h[k] = v[3 + k];
-    for (std::size_t k = 0; k < terms; ++k)  // in the file, all coefficients of red come first
+    // coefficients are reordered, since all coefficients of red come first in the file
+    for (std::size_t k = 0; k < terms; ++k)
       for (std::size_t color = 0; color < 3; ++color) h[3 * (k + 1) + color] = v[kRest + color * channel + k];
   });
   return c;
 }
 
-/// Returns the rotation that turns z to a normal, or the identity for a normal of length 0.
+/// Returns the rotation from the z axis to a normal, or the identity for a normal of length 0.
 std::array<float, 4> rotation_to(const Vec3& n) {
   const float l = length(n);
   if (!(l > 0) || !std::isfinite(l)) return {1, 0, 0, 0};

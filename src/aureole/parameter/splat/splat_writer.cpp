@@ -18,7 +18,7 @@ namespace aureole {
 
 namespace {
 
-/// Bytes of numbers, little-endian as the machine is.
+/// Appends numbers as bytes, little-endian like the machine.
 class SplatBytes {
 public:
   template <class T>
@@ -94,7 +94,7 @@ std::string ply_of_points(const SplatCloud& c, std::vector<std::string>& notes) 
   return std::move(out.bytes());
 }
 
-/// Compresses by gzip, without a time, so that equal clouds give equal files.
+/// Compresses by gzip without a time stamp, so that equal clouds give equal files.
 std::string gzip_of(const std::string& bytes) {
   z_stream stream{};
   constexpr int kGzip = 15 + 16;
@@ -120,7 +120,7 @@ std::string gzip_of(const std::string& bytes) {
 std::string spz_of(const SplatCloud& c, std::vector<std::string>& notes) {
   SplatBytes out;
   std::size_t clipped = 0;
-  // As many fractional bits of 24 as the farthest position leaves.
+  // Number of fractional bits of the 24-bit positions: as many as the farthest position allows.
   float farthest = 0;
   for (const Vec3& p : c.positions) farthest = std::max(farthest, max_component(abs(p)));
   int bits = 12;

@@ -28,14 +28,15 @@ struct SpzHeader {
   std::size_t position_bytes() const { return version == 1 ? 6 : 9; }
   std::size_t rotation_bytes() const { return version >= 3 ? 4 : 3; }
   std::size_t harmonic_bytes() const { return std::size_t(3 * ((degree + 1) * (degree + 1) - 1)); }
-  /// Bytes per splat of each attribute, in the order of the file.
+  /// Returns the bytes per splat of each attribute, in the order of the file.
   std::array<std::size_t, 6> sizes() const {
     return {position_bytes(), 1, 3, 3, rotation_bytes(), harmonic_bytes()};
   }
 };
 
 constexpr unsigned kSpzAntialiased = 1, kSpzExtensions = 2;
-/// Deflate compresses at most 1032 to 1; zstd more on constant data.
+/// Largest ratio of content to file size: deflate compresses at most 1032 to 1; zstd may exceed it on
+/// constant data.
 constexpr double kSpzContentPerByte = 1100;
 
 SpzHeader read_spz_header(std::span<const std::byte> bytes) {
@@ -67,7 +68,7 @@ float of_half(std::uint16_t h) {
   return h & 0x8000 ? -magnitude : magnitude;
 }
 
-/// Rotations of the versions 1 and 2: x, y, z in one byte each, of a unit quaternion with w >= 0.
+/// Decodes a rotation of the versions 1 and 2: a unit quaternion with w >= 0 whose x, y, z are one byte each.
 std::array<float, 4> first_three(const std::byte* at) {
   std::array<float, 4> q;
   float rest = 1;
@@ -79,8 +80,8 @@ std::array<float, 4> first_three(const std::byte* at) {
   return q;
 }
 
-/// Rotations of the versions 3 and 4: two bits with the index in x, y, z, w of the largest component, and for each of the
-/// others a sign and 9 bits of its magnitude in units of 1/sqrt(2) / 511.
+/// Decodes a rotation of the versions 3 and 4: two bits with the index in x, y, z, w of the largest
+/// component, and for each of the others a sign and 9 bits of its magnitude in units of 1/sqrt(2) / 511.
 std::array<float, 4> smallest_three(const std::byte* at) {
   std::uint32_t bits = load<std::uint32_t>(at);
   const std::uint32_t largest = bits >> 30;
@@ -96,7 +97,8 @@ std::array<float, 4> smallest_three(const std::byte* at) {
   return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]};
 }
 
-/// Reads the records of extensions: type, length, content. The coordinate system is applied, others are noted.
+/// Reads the records of extensions: type, length, content. The coordinate system is applied; other extensions
+/// are noted.
 void read_spz_extensions(std::span<const std::byte> bytes, SplatCloud& c) {
   while (bytes.size() >= 8) {
     const std::uint32_t type = load<std::uint32_t>(bytes.data()), size = load<std::uint32_t>(&bytes[4]);
@@ -123,7 +125,7 @@ void read_spz_extensions(std::span<const std::byte> bytes, SplatCloud& c) {
 
 /// Decompresses one stream of zstd, which must give exactly `wanted` bytes.
 SharedBytes unzstd(std::span<const std::byte> source, std::size_t wanted) {
-  // Before memory is allocated: what the stream itself says.
+  // The size that the stream itself states is checked before memory is allocated.
   const unsigned long long stated = ZSTD_getFrameContentSize(source.data(), source.size());
   if (stated == ZSTD_CONTENTSIZE_ERROR) throw Error("holds data that are not compressed by zstd");
   if (stated != ZSTD_CONTENTSIZE_UNKNOWN && stated != wanted) truncated_spz(double(wanted), double(stated));
@@ -136,7 +138,7 @@ SharedBytes unzstd(std::span<const std::byte> source, std::size_t wanted) {
   return grid_reader::shared(std::move(out));
 }
 
-/// The attributes of version 4, by the table of lengths.
+/// Returns the attributes of version 4, by the table of lengths.
 std::array<SharedBytes, 6> split_streams(const SharedBytes& bytes, const SpzHeader& h, SplatCloud& c) {
   constexpr std::size_t kHeader = 32, kRow = 16;
   const std::size_t streams = std::size_t(bytes.bytes[15]), table = load<std::uint32_t>(&bytes.bytes[16]);
@@ -170,7 +172,7 @@ std::array<SharedBytes, 6> split_streams(const SharedBytes& bytes, const SpzHead
   return parts;
 }
 
-/// The attributes of the versions 1 to 3.
+/// Returns the attributes of the versions 1 to 3.
 std::array<SharedBytes, 6> split_gzip(const SharedBytes& all, const SpzHeader& h, SplatCloud& c) {
   std::array<SharedBytes, 6> parts;
   std::size_t at = 16, i = 0;
@@ -213,7 +215,7 @@ void decode_spz(const SpzHeader& h, const std::array<SharedBytes, 6>& parts, Spl
       c.opacities[i] = float(part(1)[i]) / 255;
       float* to = &c.harmonics[3 * c.coefficients() * i];
       for (std::size_t k = 0; k < 3; ++k) {
-        // The constant term in units that leave room for colours outside of [0, 1].
+        // The constant term is stored in units that leave room for colours outside of [0, 1].
         to[k] = (float(part(2)[3 * i + k]) / 255 - 0.5f) / 0.15f;
         c.scales[i][int(k)] = std::exp(float(part(3)[3 * i + k]) / 16 - 10);
       }
@@ -233,7 +235,7 @@ SplatCloud read_spz(const Path&, const SharedBytes& bytes, const SplatFileOption
   const bool is_plain = bytes.size() >= 4 && std::memcmp(bytes.bytes.data(), "NGSP", 4) == 0;
   SharedBytes all = bytes;
   if (!is_plain) {
-    // The header alone first: it says how much to decompress.
+    // The header is decompressed first, since it determines the size of the content.
     const SharedBytes start = grid_reader::inflate_bytes(bytes, 16);
     if (start.size() < 16 || std::memcmp(start.bytes.data(), "NGSP", 4) != 0)
       throw Error("is compressed by gzip, but is no .spz file: the letters NGSP are expected first");
@@ -242,7 +244,7 @@ SplatCloud read_spz(const Path&, const SharedBytes& bytes, const SplatFileOption
       throw Error("says that it has version 4 of the format .spz, but is compressed by gzip as a whole");
     double wanted = 16;
     for (const std::size_t size : h.sizes()) wanted += double(size) * h.count;
-    // Extensions follow the splats.
+    // Upper bound of the bytes of extensions, which follow the splats.
     constexpr double kMaxExtensions = 1 << 20;
     if (h.flags & kSpzExtensions) wanted += kMaxExtensions;
     all = grid_reader::inflate_bytes(bytes, std::uint64_t(wanted) + 1);

@@ -24,7 +24,7 @@ public:
     factorize({size, size, size, 0, 0, 0});
   }
 
-  /// Whether these entries form a positive definite matrix that can be inverted in single precision.
+  /// Whether these entries of S form a positive definite matrix that can be inverted in single precision.
   static bool is_valid(const std::array<float, 6>& s) {
     Flakes f;
     return f.factorize(s);
@@ -35,7 +35,8 @@ public:
   /// Returns the phase function [1/sr], which is also the pdf of `sample`: D(h)/(4 a(wi)) with the half
   /// vector h of wi and wo (Heitz et al. 2015, specular phase function).
   float eval(const Vec3& wi, const Vec3& wo) const {
-    // n^T S^-1 n for n = (wi + wo)/|wi + wo|. In the forward direction (wi = -wo) there is no half vector.
+    // Computes n^T S^-1 n for n = (wi + wo)/|wi + wo|. In the forward direction (wi = -wo) there is no half
+    // vector.
     const Vec3 sum = wi + wo, m = solve(sum);
     const float l2 = length_squared(sum), m2 = length_squared(m);
     if (!(m2 > 0)) return 0;
@@ -58,7 +59,8 @@ private:
 
   /// Computes the Cholesky factorisation S = L L^T. Returns false if it fails.
   bool factorize(const std::array<float, 6>& s) {
-    // A pivot that is only rounding error of its diagonal entry would spoil the inverse.
+    // Smallest pivot relative to its diagonal entry: a smaller one is only rounding error and would spoil the
+    // inverse.
     constexpr float kRounding = 1e-5f;
     if (!(s[0] > kMinEigenvalue)) return false;
     xx_ = std::sqrt(s[0]);
@@ -74,7 +76,7 @@ private:
     return std::isfinite(determinant_root_) && determinant_root_ > 0;
   }
 
-  /// L^T w
+  /// Returns L^T w.
   Vec3 to_sphere(const Vec3& w) const {
     return {xx_ * w.x + yx_ * w.y + zx_ * w.z, yy_ * w.y + zy_ * w.z, zz_ * w.z};
   }
@@ -82,7 +84,7 @@ private:
   Vec3 from_sphere(const Vec3& m) const {
     return {xx_ * m.x, yx_ * m.x + yy_ * m.y, zx_ * m.x + zy_ * m.y + zz_ * m.z};
   }
-  /// L^-1 n
+  /// Returns L^-1 n.
   Vec3 solve(const Vec3& n) const {
     const float x = n.x / xx_, y = (n.y - yx_ * x) / yy_;
     return {x, y, (n.z - zx_ * x - zy_ * y) / zz_};

@@ -44,7 +44,7 @@ public:
 
 private:
   bool backward_;
-  float g_, gap_, factor_;  // |g| and 1 - |g|
+  float g_, gap_, factor_;  // |g|, 1 - |g|, and the normalisation
 };
 
 }  // namespace aureole

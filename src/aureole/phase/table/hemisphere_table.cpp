@@ -39,7 +39,7 @@ HemisphereTable::HemisphereTable(std::span<const double> x, std::span<const doub
 }
 
 void HemisphereTable::make_guide() {
-  // Buckets are made finer until each holds few nodes.
+  // Buckets of the guide are made finer until each contains few nodes.
   constexpr int kMaxInBucket = 3, kFinestBits = 8, kMantissaBits = 23;
   const float first = float(nodes_[1]);
   guide_base_ = std::bit_cast<int>(first);
@@ -50,8 +50,8 @@ void HemisphereTable::make_guide() {
     for (std::size_t i = 1; i + 1 < nodes_.size(); ++i)
       ++count[std::size_t((std::bit_cast<int>(float(nodes_[i])) - guide_base_) >> guide_shift_)];
     guide_.assign(count.size(), 0);
-    // The cell that contains the start of a bucket: the number of nodes before it, not counting the node at
-    // zero. The first bucket also serves smaller x.
+    // First cell of each bucket: the cell that contains the bucket's start, which is the number of nodes
+    // before it, not counting the node at zero. The first bucket also serves smaller x.
     std::size_t before = 0;
     for (std::size_t k = 0; k < count.size(); ++k) guide_[k] = std::uint16_t(before), before += count[k];
     if (*std::max_element(count.begin(), count.end()) <= kMaxInBucket) break;
@@ -111,7 +111,7 @@ HemisphereTable::Place HemisphereTable::sample(int column, float share) const {
   const float* shares = &shares_[std::size_t(column) * nodes_.size()];
   const std::uint16_t* guide = &share_guide_[std::size_t(column) * cells];
   const float total = shares[cells];
-  // Clamped below the total, so that the cell found has a positive integral.
+  // The share is clamped below the total, so that the cell found has a positive integral.
   share = std::min(share, total * kOneMinusEpsilon);
   const std::size_t k = std::min(std::size_t(share / total * float(cells)), cells - 1);
   // Rounding may shift the guide by one bucket.
@@ -120,11 +120,11 @@ HemisphereTable::Place HemisphereTable::sample(int column, float share) const {
       std::size_t(std::upper_bound(shares + low + 1, shares + high + 1, share) - shares) - 1;
 
   const float mass = shares[cell + 1] - shares[cell];
-  // Stay off the ends of a cell, where the density may be zero.
+  // The result stays off the ends of a cell, where the density may be zero.
   const float r = mass > 0 ? std::clamp((share - shares[cell]) / mass, 0x1p-24f, kOneMinusEpsilon) : 0.5f;
   const float a = values_[cell * stride_ + std::size_t(column)],
               b = values_[(cell + 1) * stride_ + std::size_t(column)];
-  // The root of (a f + (b - a) f^2/2) / ((a + b)/2) = r.
+  // Position as the root of (a f + (b - a) f^2/2) / ((a + b)/2) = r.
   const float root = std::sqrt(a * a + r * (b * b - a * a)), d = a + root;
   return {int(cell), d > 0 ? std::min(r * (a + b) / d, 1.f) : 0.f};
 }

@@ -25,7 +25,7 @@ public:
   /// A position between two nodes.
   struct Place {
     int cell = 0;
-    float fraction = 0;  ///< in [0, 1]
+    float fraction = 0;  ///< position within the interval, in [0, 1]
   };
   /// Returns the position of x, which may exceed its range by rounding.
   Place find(float x) const;
@@ -47,7 +47,7 @@ public:
   /// Returns the integral of the column times x = 1 - cos.
   double first_moment(int column) const;
   void scale(int column, double factor);
-  /// Prepares `sample`; to be called once the values are final.
+  /// Prepares `sample`; it must be called once the values are final.
   void prepare_samples();
 
   /// Samples a position with the density of a column. `share` in [0, integral] is the cumulative integral
@@ -59,7 +59,7 @@ public:
 
 private:
   struct Cell {
-    float begin, rate;  ///< x at the start, 1/width
+    float begin, rate;  ///< x at the start of a cell, and 1/width of the cell
   };
   const float* row_of(const Place& p) const { return &values_[std::size_t(p.cell) * stride_]; }
   float width(int cell) const { return 1 / cells_[cell].rate; }
@@ -68,13 +68,14 @@ private:
   std::size_t stride_ = 1;
   std::vector<double> nodes_;  // x
   std::vector<Cell> cells_;
-  std::vector<float> values_;  // [node][column]
+  std::vector<float> values_;  // values by [node][column]
   std::vector<double> integrals_;
-  // The first cell for the leading bits of x as a floating-point number. These buckets are uniform in each
-  // octave, since peaks at the pole need finer ones.
+  // First cell for the leading bits of x as a floating-point number. These buckets are uniform in each
+  // octave, since peaks at the pole need finer buckets.
   std::vector<std::uint16_t> guide_;
   int guide_base_ = 0, guide_shift_ = 23;
-  // Per column: the cumulative integral at all nodes, and the first cell for equal steps of the integral.
+  // For each column, the cumulative integral at all nodes, and the first cell for equal steps of the
+  // integral.
   std::vector<float> shares_;
   std::vector<std::uint16_t> share_guide_;
 };

@@ -39,7 +39,7 @@ Rows half_of(std::span<const double> mu, std::span<const double> values, std::si
   const auto row = [&](std::size_t i) { return values.subspan(index(i) * columns, columns); };
   for (std::size_t i = 0; i < n; ++i) {
     const double at = forward ? 1 - mu[index(i)] : 1 + mu[index(i)];
-    // Nodes equal in single precision would make empty cells.
+    // Nodes that are equal in single precision are skipped, since they would make empty cells.
     if (i > 0 && !(float(at) > float(rows.x.back()))) continue;
     if (float(at) < 1) {
       rows.x.push_back(at);

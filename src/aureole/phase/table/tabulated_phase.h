@@ -28,7 +28,7 @@ public:
 
   struct Sample {
     Vec3 wo;
-    Spectrum value;  ///< equal to the pdf
+    Spectrum value;  ///< value of the phase function, which equals the pdf
   };
   /// Samples a direction for the hero wavelength. u1 chooses between two wavelength nodes; it is unused if
   /// there is only one.

@@ -80,7 +80,8 @@ SurfacePoint Curves::surface_point(const ShapeHit& hit, const Ray& ray, bool) co
   const CurvePoint at = locate(hit.primitive, met, hit.u);
   SurfacePoint s;
   s.p = (at.center + at.out * at.radius).to_float();
-  // Computed in double precision and rounded once; is_outside_hit derives the side from it.
+  // Bound of the rounding error: the point is computed in double precision and rounded once. is_outside_hit
+  // derives the side from it.
   s.p_error = abs(s.p) * (4 * 0x1p-24f) + abs(at.normal.to_float()) * float(at.radius * 1e-6);
   s.ng = at.normal.to_float();
   s.uv = {CurveFrame(at.tangent).u_of(at.out), float((double(hit.primitive) + at.v) / double(first_.size()))};

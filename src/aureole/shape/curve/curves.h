@@ -21,8 +21,9 @@ struct CurveFrame {
 
 /// A point on the surface of a curve.
 struct CurvePoint {
-  double v;                      ///< parameter along the segment
-  Double3 center, tangent, out;  ///< point on the curve; unit vectors along it and from there to the surface
+  double v;  ///< parameter along the segment
+  /// point on the curve; unit vectors along the curve and from that point to the surface
+  Double3 center, tangent, out;
   double radius;
   Double3 normal;  ///< surface normal, unit length
 };
@@ -62,7 +63,7 @@ private:
   Bounds3 bounds_;
 };
 
-/// Returns the documentation of the parameters that both plug-ins share.
+/// Returns the documentation of the parameters that both plug-ins for curves share.
 std::vector<ParameterDoc> curve_parameters();
 
 }  // namespace aureole

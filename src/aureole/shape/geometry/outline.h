@@ -37,20 +37,21 @@ public:
   virtual bool is_curved() const = 0;
   /// The centre of a ball in local coordinates; empty for other shapes.
   virtual std::optional<Double3> ball_center() const { return std::nullopt; }
-  /// Whether it ends at circles: a disc or a cylinder.
+  /// Whether the shape ends at circles, as a disc or a cylinder does.
   virtual bool has_rims() const { return false; }
-  /// Whether it is visible from inside, as the walls of a room.
+  /// Whether the shape is visible from inside, like the walls of a room.
   virtual bool is_hollow() const { return false; }
   /// Returns triangles with `pieces` sides around the shape. Their edges lie on the shape or outside by at
   /// most 12/pieces^2 of the radius.
   virtual OutlineMesh outline_mesh(int pieces) const = 0;
-  /// Returns the approximate number of edges of that mesh.
+  /// Returns the approximate number of edges of `outline_mesh`.
   virtual double edge_count(int pieces) const = 0;
 };
 
-/// Corners of a regular polygon circumscribed about the unit circle of the local xy plane. If the circle is one in the world,
-/// too, the first corner lies in a direction that depends on the circle's axis alone, so that the rim of a disc and that of
-/// a cylinder which it closes have the same corners. `pieces` is a multiple of 4.
+/// Corners of a regular polygon circumscribed about the unit circle of the local xy plane. If it is a circle
+/// in the world as well, the first corner lies in a direction that depends on the circle's axis alone, so
+/// that the rim of a disc and that of a cylinder which it closes have the same corners. `pieces` is a
+/// multiple of 4.
 inline std::vector<Double3> polygon_around_circle(int pieces, const Placement& place) {
   const Double3 &x = place.axis(0), &y = place.axis(1);
   double begin = 0;

@@ -10,7 +10,7 @@ namespace aureole {
 
 class Placement {
 public:
-  /// `t` must be invertible.
+  /// Makes a placement by an invertible transform.
   explicit Placement(const Transform& t) {
     const auto &m = t.matrix(), i = t.inverse().matrix();
     for (int k = 0; k < 3; ++k) {
@@ -20,7 +20,8 @@ public:
     origin_ = {m[0][3], m[1][3], m[2][3]};
     double size = 0, inverse_size = 0;
     for (int k = 0; k < 3; ++k) size += length(column_[k]), inverse_size += length(row_[k]);
-    // The error of the inverse is proportional to the condition number.
+    // Bound of the error in local coordinates; the error of the inverse is proportional to the condition
+    // number.
     in_double_ = 16 * 0x1p-53 * (size * std::max(1.0, size * inverse_size / 9) + length(origin_));
   }
 

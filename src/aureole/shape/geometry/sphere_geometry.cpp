@@ -46,7 +46,7 @@ float Ball::visible_pdf(const Double3& reference) const {
   if (!sees_from_outside(reference)) return float(1 / (4 * kPiD));
   const Double3 w = center - reference;
   const double sin2 = radius * radius / dot(w, w);
-  // 1 - cos of the cone's half-angle, without cancellation.
+  // Denominator 1 - cos of the cone's half-angle, without cancellation.
   return float(1 / (2 * kPiD * sin2 / (1 + std::sqrt(1 - sin2))));
 }
 
@@ -56,8 +56,8 @@ std::optional<Double3> Ball::sample_visible(const Double3& reference, Vec2 u) co
   if (!sees_from_outside(reference)) {
     const double z = 1 - 2 * double(u.x), r = std::sqrt(std::max(0.0, 1 - z * z));
     const Double3 d(r * cos_phi, r * sin_phi, z);
-    // The far root of the quadratic. For a reference point on the surface the near root is the point itself,
-    // and so is the far root for a direction that points outward.
+    // The distance is the far root of the quadratic. For a reference point on the surface the near root is
+    // the point itself, and so is the far root for a direction that points outward.
     const Double3 f = reference - center;
     const double b = -dot(f, d);
     const Double3 across = f + d * b;
@@ -70,8 +70,8 @@ std::optional<Double3> Ball::sample_visible(const Double3& reference, Vec2 u) co
   const double distance_squared = dot(w, w), sin2_max = radius * radius / distance_squared;
   const double one_minus_cos = u.x * sin2_max / (1 + std::sqrt(1 - sin2_max));
   const double cos_theta = 1 - one_minus_cos, sin2 = one_minus_cos * (2 - one_minus_cos);
-  // The angle at the centre between the reference point and the visible point (Pharr, Jakob & Humphreys 2023,
-  // section 6.2.4).
+  // Cosine of the angle at the centre between the reference point and the visible point (Pharr, Jakob &
+  // Humphreys 2023, section 6.2.4).
   const double cos_alpha =
       sin2 / std::sqrt(sin2_max) + cos_theta * std::sqrt(std::max(0.0, 1 - sin2 / sin2_max));
   const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha));

@@ -13,9 +13,9 @@ namespace aureole {
 struct Ball {
   Double3 center;
   double radius = 1;
-  bool inward = false;  ///< the front is the inside: points are sampled from inside
+  bool inward = false;  ///< whether the front is the inside, so that points are sampled from inside
 
-  Bounds3 bounds() const;  ///< rounded outward
+  Bounds3 bounds() const;  ///< bounds of the sphere, rounded outward
   /// Returns the nearest distance in (t_min, t_max) at which the ray intersects the surface, from outside or
   /// inside.
   std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const;

@@ -13,7 +13,7 @@
 
 namespace aureole {
 
-/// The cubic c[0] + c[1] s + c[2] s^2 + c[3] s^3.
+/// The cubic polynomial c[0] + c[1] s + c[2] s^2 + c[3] s^3.
 struct Cubic {
   std::array<double, 4> c;
 
@@ -35,7 +35,7 @@ inline std::optional<double> Cubic::first_crossing() const {
   const auto add = [&](double s) {
     if (s > ends[count - 1] && s < 1) ends[count++] = s;
   };
-  // Turning points, by the quadratic formula without cancellation.
+  // Turning points of the cubic, by the quadratic formula without cancellation.
   const double a = 3 * c[3], half_b = c[2], discriminant = half_b * half_b - a * c[1];
   if (discriminant > 0) {
     const double q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
@@ -52,7 +52,8 @@ inline std::optional<double> Cubic::first_crossing() const {
 inline double Cubic::crossing_between(double a, double b) const {
   const bool inside = is_inside(at(a));
   double s = a + (b - a) * at(a) / (at(a) - at(b));
-  // Newton's method, with bisection where it leaves the interval or converges slowly.
+  // The root is found by Newton's method, with bisection where a step leaves the interval or converges
+  // slowly.
   for (int i = 0; i < 100 && b - a > 1e-15; ++i) {
     if (!(s > a && s < b)) s = 0.5 * (a + b);
     const double f = at(s);
@@ -66,7 +67,7 @@ inline double Cubic::crossing_between(double a, double b) const {
 
 class TrilinearCell {
 public:
-  /// `corner` is indexed by x + 2 y + 4 z.
+  /// Makes a cell; `corner` is indexed by x + 2 y + 4 z.
   explicit TrilinearCell(const std::array<double, 8>& corner) : f_(corner) {
     x_ = f_[1] - f_[0], y_ = f_[2] - f_[0], z_ = f_[4] - f_[0];
     xy_ = f_[3] - f_[2] - x_, yz_ = f_[6] - f_[4] - y_, xz_ = f_[5] - f_[4] - x_;

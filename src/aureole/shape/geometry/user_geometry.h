@@ -16,7 +16,7 @@ namespace aureole {
 
 namespace detail {
 
-/// Whether the surface has several primitives; otherwise it is one.
+/// Whether the surface type has several primitives; otherwise it is a single primitive.
 template <class Surface>
 constexpr bool kHasPrimitives = requires(const Surface& s) {
   s.primitive_count();
@@ -37,8 +37,8 @@ std::optional<float> packet_hit(const Surface& surface, unsigned primitive, RTCR
   return t ? std::optional<float>(std::min(float(*t), far)) : std::nullopt;
 }
 
-/// For a query of all hits (`RayTracer::all_hits`), which traces one ray: shows each hit to the query's filter,
-/// which rejects it.
+/// For a query of all hits (`RayTracer::all_hits`), which traces one ray: passes each hit to the query's
+/// filter, which rejects it.
 template <class Surface>
 void show_all_hits(const Surface& surface, const RTCIntersectFunctionNArguments* args) {
   RTCRay* ray = reinterpret_cast<RTCRay*>(RTCRayHitN_RayN(args->rayhit, 1));
@@ -57,7 +57,7 @@ void show_all_hits(const Surface& surface, const RTCIntersectFunctionNArguments*
     ray->tfar = *t;
     args->context->filter(&shown);
     ray->tfar = far;
-    // The distance was rounded; the next root lies beyond the next number.
+    // The search continues beyond the next representable number, since the distance was rounded.
     ray->tnear = std::nextafter(*t, std::numeric_limits<float>::infinity());
   }
   ray->tnear = near;
@@ -78,7 +78,7 @@ void user_intersect(const RTCIntersectFunctionNArguments* args) {
     const auto t = packet_hit(surface, args->primID, rays, n, i);
     if (!t) continue;
     RTCRayN_tfar(rays, n, i) = *t;
-    // surface_point computes everything else from the distance.
+    // Normal and coordinates are not set, since surface_point computes everything else from the distance.
     RTCHitN_Ng_x(hits, n, i) = 0, RTCHitN_Ng_y(hits, n, i) = 0, RTCHitN_Ng_z(hits, n, i) = 1;
     RTCHitN_u(hits, n, i) = 0, RTCHitN_v(hits, n, i) = 0;
     RTCHitN_primID(hits, n, i) = args->primID;

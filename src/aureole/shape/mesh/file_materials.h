@@ -9,8 +9,8 @@
 namespace aureole {
 
 struct FileMaterials {
-  std::vector<std::string> names;                ///< in the order of the triangles' material indices; the
-                                                 ///< first has no name
+  /// names in the order of the triangles' material indices; the first name is empty
+  std::vector<std::string> names;
   std::vector<bool> used;                        ///< whether any triangle uses the material
   std::vector<std::filesystem::path> libraries;  ///< files that define the materials
 };

@@ -33,7 +33,7 @@ TrianglePlane exact_plane(const TriangleCorners& c) {
                   farthest * gamma_bound(7)};
 }
 
-/// Four floats; the fourth is whatever follows a Vec3 in memory.
+/// Four floats, of which the first three are a Vec3; the fourth is the memory behind it.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = int __attribute__((vector_size(16)));
 Float4 load(const Vec3& v) {
@@ -78,7 +78,7 @@ TrianglePlane plane_of(Float4 c0, Float4 c1, Float4 c2) {
   const float per_length = 1 / std::sqrt(n2), length = std::sqrt(longest);
   const Float4 ng = n * per_length, an = abs(ng);
   const float farthest = std::max({dot3(an, abs(c0)), dot3(an, abs(c1)), dot3(an, abs(c2))});
-  // Enlarged by 0.1 % for the rounding of the bound itself.
+  // The error bound is enlarged by 0.1 % for its own rounding.
   const float error =
       1.001f * (length * (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) * per_length) +
                 farthest * gamma_bound(7));
@@ -149,7 +149,7 @@ void Mesh::build(MeshData data, std::string_view source) {
   source_ = source;
   find_bounds();
   if (data_.triangles.empty()) remarks_.push_back("the mesh has no triangles");
-  // Embree and this class read 16 bytes at every vertex; one more vertex keeps the last read in range.
+  // Padding of one more vertex, since Embree and this class read 16 bytes at every vertex.
   data_.positions.push_back({});
   find_planes();
 }
@@ -172,9 +172,10 @@ std::size_t Mesh::drop_degenerate() {
     const Vec3 &p0 = d.positions[d.triangles[i][0]], &p1 = d.positions[d.triangles[i][1]];
     const Vec3& p2 = d.positions[d.triangles[i][2]];
     const Vec3 n = cross(p1 - p0, p2 - p0);
-    // Tested in float: the area must be positive for the ray caster, which computes in float, too.
+    // The area is tested in float: it must be positive for the ray caster, which computes in float as well.
     if (!(length_squared(n) > 0) || !is_finite(n)) {
-      // Underflow of tiny and overflow of huge triangles is not degeneracy.
+      // A second test in double precision, since underflow of tiny triangles and overflow of huge ones are
+      // not degeneracy.
       const Double3 exact = cross(Double3(p1) - Double3(p0), Double3(p2) - Double3(p0));
       const double l = length(exact);
       if (!(l > 0) || !std::isfinite(l)) continue;
@@ -226,7 +227,7 @@ namespace {
 
 /// Returns a triangle's normal times the angle at each corner; zero for triangles too thin for float.
 std::array<Vec3, 3> weighted_normals(const TriangleCorners& c) {
-  // Scaled to size 1, since fourth powers of lengths easily leave the range of float.
+  // The edges are scaled to size 1, since fourth powers of lengths easily leave the range of float.
   const Vec3 edge0 = c[1] - c[0], edge2 = c[0] - c[2];
   const float scale = 1 / std::max(max_component(abs(edge0)), max_component(abs(edge2)));
   const Vec3 e[3] = {edge0 * scale, (c[2] - c[1]) * scale, edge2 * scale};
@@ -245,8 +246,8 @@ std::array<Vec3, 3> weighted_normals(const TriangleCorners& c) {
 
 void Mesh::compute_vertex_normals() {
   data_.normals.assign(data_.positions.size(), Vec3{});
-  // All cores compute one block of the mesh at a time. Sums are added in the order of the triangles, so that
-  // they do not depend on the number of cores.
+  // Number of triangles of one block, on which all cores work at a time. Sums are added in the order of the
+  // triangles, so that they do not depend on the number of cores.
   constexpr std::size_t kPart = 1 << 17;
   const std::size_t n = data_.triangles.size();
   std::vector<std::array<Vec3, 3>> weighted(std::min(n, kPart));
@@ -368,7 +369,7 @@ Vec3 Mesh::tangent(std::uint32_t primitive) const {
   const TriangleIndices& t = uv_triangle(primitive);
   const Vec2 d1 = data_.uvs[t[1]] - data_.uvs[t[0]], d2 = data_.uvs[t[2]] - data_.uvs[t[0]];
   const float determinant = d1.x * d2.y - d1.y * d2.x;
-  // dp/du = (d2.y e1 - d1.y e2) / determinant; only its direction is needed.
+  // The tangent dp/du = (d2.y e1 - d1.y e2) / determinant; only its direction is needed.
   return determinant == 0 ? Vec3{} : (e1 * d2.y - e2 * d1.y) * std::copysign(1.f, determinant);
 }
 

@@ -30,12 +30,12 @@ namespace aureole {
 /// means that there is none.
 struct MeshData {
   std::vector<Vec3> positions;
-  std::vector<Vec3> normals;  ///< empty: none in the file
-  std::vector<Vec2> uvs;      ///< empty: none in the file
+  std::vector<Vec3> normals;  ///< vertex normals; empty: none in the file
+  std::vector<Vec2> uvs;      ///< texture coordinates; empty: none in the file
   std::vector<TriangleIndices> triangles, normal_triangles, uv_triangles;
   std::vector<MeshAttribute> attributes;     ///< attributes that textures use
-  std::vector<std::string> attribute_names;  ///< all attributes in the file, for messages
-  std::vector<std::uint32_t> materials;      ///< material of each triangle; empty: one for all
+  std::vector<std::string> attribute_names;  ///< names of all attributes in the file, for messages
+  std::vector<std::uint32_t> materials;      ///< material of each triangle; empty: one material for all
 };
 
 /// The geometric normal of a triangle, and an upper bound of the distance of an interpolated point from the
@@ -71,7 +71,7 @@ public:
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
   std::string opening() const override;
 
-  /// The geometry as rendered; edges and neighbours are found from the position indices.
+  /// The mesh as it is rendered; edges and neighbours are found from the position indices.
   const MeshData& data() const { return data_; }
 
 protected:
@@ -81,7 +81,7 @@ protected:
   /// Makes a part of another mesh from data that has been built before.
   Mesh(const Properties& properties, PartOfShape, MeshData data);
 
-  /// Whether a texture uses this attribute; others are not stored.
+  /// Whether a texture uses the attribute; other attributes are not stored.
   bool wants_attribute(std::string_view name) const;
 
   /// Returns a position of the file in world space: computed in double, rounded once.
@@ -111,10 +111,12 @@ private:
   TriangleCorners corners(std::size_t triangle) const;
   Vec2 interpolate_uv(std::uint32_t triangle, float b0, float b1, float b2) const;
   MeshPoint point_at(std::uint32_t triangle, float b1, float b2) const;
-  Vec3 tangent(std::uint32_t primitive) const;  ///< along dp/du; zero where texture coordinates are constant
+  /// unit vector along dp/du; zero where texture coordinates are constant
+  Vec3 tangent(std::uint32_t primitive) const;
   Transform to_world_;
   bool identity_ = true, reverse_winding_ = false, flip_normals_ = false, face_normals_ = false;
-  double max_smooth_angle_ = 0;  ///< in degrees; 0: vertex normals are used
+  /// largest angle between faces that share a smooth normal [degrees]; 0: vertex normals are used
+  double max_smooth_angle_ = 0;
   void find_planes();
 
   MeshData data_;
@@ -122,7 +124,7 @@ private:
   Bounds3 bounds_;
   std::string source_;  ///< parameter at which errors are located
   mutable std::once_flag opening_is_known_;
-  mutable std::string opening_;  ///< the answer of `opening`, found when first asked for
+  mutable std::string opening_;  ///< result of `opening`, computed on its first call
 };
 
 /// Returns `own` followed by the documentation of the parameter that meshes share: face_normals.

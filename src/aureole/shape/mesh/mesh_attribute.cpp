@@ -51,7 +51,7 @@ SampledSpectrum MeshAttribute::mean(const SpectralGrid& grid) const {
     for (const float v : numbers_) sum += v;
     return SampledSpectrum::constant(grid, size() ? float(sum / double(size())) : 0);
   }
-  // For large meshes a subset of the colours, at 64 wavelengths.
+  // Upper bound of the colours that the mean takes, at 64 wavelengths; of more colours a subset is taken.
   constexpr std::size_t kMaxSamples = 1 << 14;
   constexpr int kNodes = 64;
   const std::size_t stride = std::max<std::size_t>(1, size() / kMaxSamples);

@@ -19,7 +19,7 @@ public:
   bool operator==(const AttributeName&) const = default;
 
 private:
-  const std::string* text_;  ///< unique in the program for each text
+  const std::string* text_;  ///< the name's text, one string for each different text in the program
 };
 
 /// An attribute: one number or one colour per vertex or face.
@@ -61,7 +61,7 @@ public:
 private:
   AttributeName name_;
   bool is_color_, of_faces_;
-  std::vector<float> numbers_;  // either this or colors_ is empty
+  std::vector<float> numbers_;  // values that are numbers; either this or colors_ is empty
   std::vector<UpsampledColor> colors_;
 };
 

@@ -21,7 +21,7 @@ MeshFile::MeshFile(const Properties& properties, std::filesystem::path path)
   } catch (const Error& problem) {
     throw error(problem.message());
   }
-  // The byte order mark of a text becomes blanks, which keeps columns and the place of data.
+  // A byte order mark becomes blanks, so that columns and positions in the file do not change.
   if (std::string_view(begin(), size()).starts_with("\xEF\xBB\xBF")) std::fill_n(bytes_.get(), 3, ' ');
 }
 

@@ -35,7 +35,7 @@ Spectrum Mesh::eval_attribute(const MeshAttribute& a, const SurfacePoint& point,
 Mesh::Mesh(const Properties& properties, PartOfShape part, MeshData data)
     : Shape(properties, part), data_(std::move(data)) {
   find_bounds();
-  data_.positions.push_back({});  // padding; see build()
+  data_.positions.push_back({});  // padding for 16-byte reads; see build()
   find_planes();
 }
 
@@ -49,7 +49,7 @@ public:
 /// Copies the values that a part of the triangles uses and renumbers them.
 class Compactor {
 public:
-  /// `values`: at least the length of any list of values.
+  /// Makes room for lists of at most `values` values.
   explicit Compactor(std::size_t values) : renamed_(values, kNone) {}
 
   template <class T>
@@ -100,7 +100,7 @@ std::vector<ShapePtr> split_mesh(const Properties& properties, const MeshData& d
     if (!data.uvs.empty())
       compactor.copy(data.uvs, uvs_by_position ? data.triangles : data.uv_triangles, part, d.uvs,
                      d.uv_triangles);
-    // Values copied with the positions have their order and need no indices of their own.
+    // Values that are copied with the positions have their order and need no indices of their own.
     if (normals_by_position) d.normal_triangles = {};
     if (uvs_by_position) d.uv_triangles = {};
     d.positions.reserve(d.positions.size() + 1);

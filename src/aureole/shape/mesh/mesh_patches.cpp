@@ -68,7 +68,7 @@ void MeshPatch::measure(std::span<const Vec3> positions, std::span<const Triangl
   origin = a, along_x = b - a, along_y = c - a;
   const Double3 n = cross(Double3(b) - Double3(a), Double3(c) - Double3(a));
   ng = (n * (1 / length(n))).to_float();
-  // Bound of the rounding of edges and sum, plus the deviation from a parallelogram.
+  // Error bound: the rounding of edges and sum, plus the deviation from a parallelogram.
   error = gamma_bound(8) * dot(abs(ng), abs(a) + abs(b) + abs(c));
   if (is_pair()) {
     const Double3 last(positions[triangles[triangle[1]][apex[1]]]);
@@ -91,7 +91,7 @@ MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const 
   MeshPatches result;
   std::vector<MeshPatch> partner(triangles.size());
   std::vector<bool> paired(triangles.size(), false);
-  // Rectangles first, since they are sampled better.
+  // Rectangles are paired first, since they are sampled better than parallelograms.
   for (const Figure wanted : {Figure::rectangle, Figure::parallelogram})
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
       const HalfEdge &e = edges[i], &f = edges[i + 1];

@@ -21,15 +21,15 @@ struct MeshPatch {
   std::uint32_t triangle[2] = {0, kNone};
   std::uint8_t apex[2] = {0, 0};
   bool is_rectangle = false;
-  // Precomputed to choose the sampling technique quickly:
+  // Values that are precomputed to choose the sampling technique quickly:
   float area = 0;
   float longest_squared = 0;  ///< longest edge of the first triangle
   Vec3 center;                ///< centroid of the first triangle
   // Points of the patch are origin + x along_x + y along_y, with x + y <= 1 in a single triangle.
   Vec3 origin;            ///< corner apex[0] of the first triangle
-  Vec3 along_x, along_y;  ///< to the two next corners
+  Vec3 along_x, along_y;  ///< vectors to the two neighbouring corners
   Vec3 ng;                ///< normal of the first triangle, unit length
-  float error = 0;        ///< bound of the distance of such a point from the surface, along ng
+  float error = 0;        ///< upper bound of the distance of these points from the surface, along ng
 
   Vec3 point(Vec2 at) const { return origin + along_x * at.x + along_y * at.y; }
   bool is_pair() const { return triangle[1] != kNone; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A triangulation by n - 2 triangles is right if none of them is turned around: their winding numbers add up
-// to the polygon's, which is 1 inside and 0 outside. So a fan of such triangles needs no other test, and ears
+// to the polygon's, which is 1 inside and 0 outside. A fan of such triangles needs no other test, and ears
 // may be clipped in any order.
 #include "aureole/shape/mesh/mesh_polygons.h"
 
@@ -57,7 +57,8 @@ EarClipper::EarClipper(std::span<const Point> points) : p_(points), left_(points
   previous_.resize(n), next_.resize(n);
   for (std::size_t i = 0; i < n; ++i) previous_[i] = (i + n - 1) % n, next_[i] = (i + 1) % n;
   alive_.assign(n, 1), ear_.assign(n, 0), reflex_.assign(n, 0);
-  // Clipping makes no corner reflex that was convex, but for polygons that intersect themselves.
+  // Corners that are reflex. Clipping makes no corner reflex that was convex, except in polygons that
+  // intersect themselves.
   for (std::size_t i = 0; i < n; ++i)
     if (!(area_at(i) > 0)) by_x_.push_back(i), reflex_[i] = 1;
   std::sort(by_x_.begin(), by_x_.end(), [&](std::size_t a, std::size_t b) { return p_[a].x < p_[b].x; });
@@ -105,7 +106,8 @@ void EarClipper::remove(std::size_t i) {
   next_[before] = after, previous_[after] = before;
   alive_[i] = 0, --left_;
   classify(before), classify(after);
-  start_ = next_[after];  // ears one after the other would make a fan of slivers
+  // continues elsewhere, since clipping ears one after the other would make a fan of slivers
+  start_ = next_[after];
 }
 
 std::vector<EarClipper::Triangle> EarClipper::clip() {
@@ -135,8 +137,8 @@ void corners_of(const std::vector<TriangleIndices>& fan, const FannedPolygon& po
 /// has no area.
 bool project(std::span<const std::uint32_t> corners, const std::vector<Vec3>& positions,
              std::vector<Point>& points) {
-  // Newell's normal is the sum of the triangles of a fan, here about a corner, which keeps it exact far from
-  // the origin.
+  // Normal by Newell's method: the sum of the triangles of a fan, here about a corner, which keeps it exact
+  // far from the origin.
   const Double3 origin(positions[corners[0]]);
   Double3 normal(0, 0, 0);
   for (std::size_t k = 1; k + 1 < corners.size(); ++k)

@@ -84,9 +84,9 @@ private:
   ShapeSample shape_sample(const MeshPatch& patch, Vec2 at, const Vec3& p, float pdf) const;
 
   const Mesh& mesh_;
-  MeshPatches patches_;  ///< empty if every triangle is a patch
+  MeshPatches patches_;  ///< patches of the mesh; empty if every triangle is a patch
   mutable std::once_flag uv_once_;
-  mutable std::optional<UvIndex> uv_index_;  ///< made on demand, for lookups by texture coordinates
+  mutable std::optional<UvIndex> uv_index_;  ///< index for lookups by texture coordinates, made on demand
 };
 
 std::shared_ptr<const AreaSampler> Mesh::make_area_sampler(AreaUse use) const {
@@ -97,7 +97,7 @@ std::shared_ptr<const AreaSampler> Mesh::make_area_sampler(AreaUse use) const {
 
 MeshSampler::MeshSampler(const Mesh& mesh, AreaUse use) : mesh_(mesh) {
   if (use != AreaUse::emitter) return;
-  // Leaves out the last position, which only keeps reads in range (see Mesh::build).
+  // The last position is left out, since it only keeps reads in range (see Mesh::build).
   const std::span<const Vec3> positions(mesh.data_.positions);
   patches_ = MeshPatches::build(positions.first(positions.size() - 1), mesh.data_.triangles);
   for (MeshPatch& patch : patches_.patches) add_plane_error(patch);

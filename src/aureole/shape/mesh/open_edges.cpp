@@ -8,13 +8,14 @@
 namespace aureole {
 
 std::size_t count_open_edges(std::span<const Mesh* const> meshes) {
-  // Corners, sorted by position, get the index of their position.
+  // All corners with the index of their position, sorted by position.
   std::vector<std::pair<Vec3, std::uint32_t>> corners;
   for (const Mesh* mesh : meshes)
     for (const TriangleIndices& t : mesh->data().triangles)
       for (const std::uint32_t v : t)
         corners.emplace_back(mesh->data().positions[v], std::uint32_t(corners.size()));
-  const auto key = [](const Vec3& p) { return std::tuple(p.x, p.y, p.z); };  // compares -0 and 0 equal
+  // key for sorting, which compares -0 and 0 equal
+  const auto key = [](const Vec3& p) { return std::tuple(p.x, p.y, p.z); };
   std::sort(corners.begin(), corners.end(),
             [&](const auto& a, const auto& b) { return key(a.first) < key(b.first); });
   std::vector<std::uint32_t> position(corners.size());

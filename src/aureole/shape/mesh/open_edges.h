@@ -14,7 +14,7 @@ namespace aureole {
 /// not open edges.
 std::size_t count_open_edges(std::span<const Mesh* const> meshes);
 
-/// "3 edges belong to one triangle alone", or an empty string for 0.
+/// Returns a text such as "3 edges belong to one triangle alone", or an empty string for 0.
 std::string open_edges_text(std::size_t count);
 
 }  // namespace aureole

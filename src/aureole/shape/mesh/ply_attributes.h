@@ -12,8 +12,8 @@
 namespace aureole::ply {
 
 struct AttributeColumns {
-  std::string name;                     ///< such as vertex_color
-  std::vector<std::size_t> properties;  ///< one, or the three of a colour
+  std::string name;                     ///< name of the attribute, such as vertex_color
+  std::vector<std::size_t> properties;  ///< indices of the properties: one, or the three of a colour
 
   bool is_color() const { return properties.size() == 3; }
 };
@@ -41,14 +41,14 @@ public:
   /// Adds the record's values as one more vertex or triangle. Returns false if an attribute is not finite or
   /// a colour is negative.
   bool add();
-  /// Components of colours that are below 0 by rounding, which count as 0.
+  /// Counts components of colours that are below 0 by rounding, which become 0.
   const NoiseClamp& noise() const { return clamp_; }
 
 private:
   MeshData& data_;
   std::size_t first_ = 0;  ///< index of the first attribute of this element in `data_.attributes`
   std::vector<AttributeColumns> columns_;
-  std::vector<double> values_;  ///< values of the record; empty if nothing is wanted
+  std::vector<double> values_;  ///< values of the record; empty if no attribute is wanted
   std::vector<Type> types_;
   NoiseClamp clamp_{0, std::numeric_limits<double>::infinity()};
 };

@@ -17,7 +17,7 @@ UvIndex::UvIndex(std::vector<Triangle> triangles) : triangles_(std::move(triangl
     if (!(u1 >= 0 && u0 <= 1 && v1 >= 0 && v0 <= 1)) return {0, -1, 0, -1};
     return {cell_of(u0), cell_of(u1), cell_of(v0), cell_of(v1)};
   };
-  // Where pictures repeat over a mesh, triangles cover many cells, so larger cells are used.
+  // Where pictures repeat over a mesh, triangles cover many cells, so that larger cells are used.
   const auto entries = [&] {
     double sum = 0;
     for (const Triangle& t : triangles_) {

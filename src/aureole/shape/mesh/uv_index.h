@@ -21,15 +21,16 @@ public:
   };
 
   explicit UvIndex(std::vector<Triangle> triangles);
-  /// Returns the first triangle that contains the point.
+  /// Returns the first triangle that contains the texture coordinates `uv`.
   std::optional<Place> find(Vec2 uv) const;
 
 private:
   int cell_of(float x) const;
 
   std::vector<Triangle> triangles_;
-  int side_ = 1;                      ///< number of cells along u and along v
-  std::vector<std::uint32_t> begin_;  ///< start of each cell's triangles in `in_cells_`, and the total number
+  int side_ = 1;  ///< number of cells along u and along v
+  /// index of each cell's first triangle in `in_cells_`, and at the end the total number
+  std::vector<std::uint32_t> begin_;
   std::vector<std::uint32_t> in_cells_;
 };
 

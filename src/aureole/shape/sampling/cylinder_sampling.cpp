@@ -7,8 +7,8 @@ namespace aureole {
 
 namespace {
 
-/// A point this close to the surface, in radii, is on it, to within rounding. From there an inward cylinder
-/// is seen as from inside.
+/// Distance in radii up to which a point counts as on the surface, to within rounding. From such a point an
+/// inward cylinder is sampled as from inside.
 constexpr double kOnSurface = 1e-5;
 
 }  // namespace
@@ -33,8 +33,8 @@ void RoundView::ends(double distance, double& lower, double& upper) const {
 
 bool RoundView::sample(Vec2 u, Double3& p) const {
   const double angle = half_range_ * (2 * double(u.x) - 1), sine = std::sin(angle), cosine = std::cos(angle);
-  // Distances of the circle's two points in that direction. The nearer one follows from their known product,
-  // without cancellation.
+  // Distances from the axis of the circle's two points in that direction. The nearer one follows from their
+  // known product, without cancellation.
   const double middle = from_axis_ * cosine,
                half = std::sqrt(std::max(0.0, (radius_ - from_axis_ * sine) * (radius_ + from_axis_ * sine)));
   const double product = (from_axis_ - radius_) * (from_axis_ + radius_);
@@ -44,7 +44,7 @@ bool RoundView::sample(Vec2 u, Double3& p) const {
   ends(distance, lower, upper);
   const double s = lower + double(u.y) * (upper - lower);
   const double z = distance * s / std::sqrt((1 - s) * (1 + s));
-  // Towards the axis, or in any direction for a reference point on the axis.
+  // The direction is towards the axis, or any direction for a reference point on the axis.
   const double x = from_axis_ > 0 ? -o_.x / from_axis_ : 1, y = from_axis_ > 0 ? -o_.y / from_axis_ : 0;
   p = {o_.x + distance * (x * cosine - y * sine), o_.y + distance * (x * sine + y * cosine),
        std::clamp(o_.z + z, 0.0, length_)};
@@ -61,7 +61,7 @@ double RoundView::pdf(const Double3& p) const {
 }
 
 AffineView::AffineView(const Double3& o, bool inward) {
-  // From outside, the front is visible where cos(phi - phi0) > 1 / r.
+  // Half the range of azimuths: from outside, the front is visible where cos(phi - phi0) > 1 / r.
   const double r = std::sqrt(o.x * o.x + o.y * o.y), facing = r > 1 ? std::acos(1 / r) : 0;
   middle_ = std::atan2(o.y, o.x) + (inward ? kPiD : 0);
   half_range_ = inward ? kPiD - facing : facing;

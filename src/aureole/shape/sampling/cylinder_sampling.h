@@ -36,7 +36,7 @@ private:
 /// local coordinates. The map preserves on which side of a tangent plane a point lies.
 class AffineView {
 public:
-  /// `o`: the reference point in the cylinder's local coordinates.
+  /// Prepares sampling from `o`, the reference point in the cylinder's local coordinates.
   AffineView(const Double3& o, bool inward);
 
   bool empty() const { return !(half_range_ > 0); }

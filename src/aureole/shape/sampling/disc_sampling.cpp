@@ -11,7 +11,8 @@ namespace {
 
 /// Squared diameter over squared distance below which uniform area sampling is nearly as good.
 constexpr double kFar = 0.1;
-/// Below this solid angle [sr], or closer to the plane than this many radii, the cone loses its precision.
+/// Limits of the solid angle [sr], and of the distance from the plane in radii, below which the cone loses
+/// its precision.
 constexpr double kSmallArea = 1e-6, kInPlane = 1e-6;
 
 }  // namespace
@@ -28,7 +29,7 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
   const double h = dot(from_center, n);
   if (!(h > kInPlane * radius) || 4 * radius * radius < kFar * dot(from_center, from_center)) return view;
 
-  // In the plane of symmetry through the reference point: coordinates (outward, down).
+  // Coordinates (outward, down) in the plane of symmetry through the reference point.
   const Double3 foot = from_center - n * h;
   const double l = length(foot);
   Double3 outward, across;
@@ -40,7 +41,8 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
   // The axis bisects the directions to the two extreme points of the rim.
   const double axis_x = (near_x + far_x) / sum, axis_y = (near_y + far_y) / sum;
   const double cos_x = sum / 2, sin_x = std::hypot(near_x - far_x, near_y - far_y) / 2;
-  // The perpendicular chord through the point where the axis intersects the disc.
+  // Chord perpendicular to the plane of symmetry, through the point where the cone's axis intersects the
+  // disc.
   const double off_center = l + h * axis_x / axis_y, distance = h / axis_y;
   const double half_chord2 = (radius - off_center) * (radius + off_center);
   if (!(half_chord2 > 0)) return view;
@@ -61,7 +63,7 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
 
 DiscView::Rim DiscView::rim(double cos_phi, double sin_phi) const {
   const double c2 = cos_phi * cos_phi, s2 = sin_phi * sin_phi;
-  // tan^2 of the polar angle is 1 / q; 1 - cos follows without cancellation.
+  // The value q is 1 / tan^2 of the polar angle; 1 - cos follows without cancellation.
   const double q = c2 * cot2_x_ + s2 * cot2_y_;
   const double cosine = std::sqrt(q / (1 + q));
   const double one_minus_cos = 1 / ((1 + q) * (1 + cosine));

@@ -16,9 +16,9 @@ class DiscView {
 public:
   enum class Technique { none, area, solid_angle };
 
-  /// `n`: the unit normal of the front.
+  /// Makes a view of a disc; `n` is the unit normal of the front.
   static DiscView of(const Double3& reference, const Double3& center, const Double3& n, double radius);
-  /// Uses area sampling wherever the front is visible.
+  /// Makes a view that uses area sampling wherever the front is visible.
   static DiscView by_area(const Double3& reference, const Double3& center, const Double3& n);
 
   Technique technique() const { return technique_; }
@@ -28,7 +28,7 @@ public:
   double pdf(const Double3& d) const;
 
 private:
-  /// 1 - cos of the rim's polar angle, and the density there, for an azimuth.
+  /// 1 - cos of the rim's polar angle at an azimuth, and the density there.
   struct Rim {
     double one_minus_cos, pdf;
   };

@@ -9,9 +9,11 @@ namespace aureole {
 
 namespace {
 
-/// Below this solid angle [sr] (an edge-on patch) the spherical constructions lose their precision.
+/// Smallest solid angle [sr] of the spherical constructions, which lose their precision for smaller (edge-on)
+/// patches.
 constexpr double kSmallSolidAngle = 3e-4;
-/// A reference point this close [sr] to a solid angle of a hemisphere lies on the patch, to within rounding.
+/// Solid angle [sr], just below a hemisphere, from which the reference point counts as lying on the patch, to
+/// within rounding.
 constexpr double kHemisphere = 2 * kPiD - 1e-6;
 
 /// Returns the angle between two vectors, accurate for all angles.
@@ -25,7 +27,7 @@ double triangle_solid_angle(const Vec3& reference, const TriangleCorners& corner
   const Double3 o(reference), a = Double3(corners[0]) - o, b = Double3(corners[1]) - o,
                               c = Double3(corners[2]) - o;
   const double la = length(a), lb = length(b), lc = length(c);
-  // a . (b x c) from differences, without cancellation for a small, distant triangle.
+  // Triple product a . (b x c) from differences, without cancellation for a small, distant triangle.
   const double determinant = dot(a, cross(b - a, c - a));
   const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   return 2 * std::atan2(std::abs(determinant), denominator);
@@ -38,7 +40,7 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
                 e2 = Double3(corners[2]) - Double3(corners[0]);
   const Double3 a = normalize(to0), b = normalize(to0 + e1), c = normalize(to0 + e2);
 
-  // Arvo's notation: alpha is the angle at a, cos_c the cosine of side ab.
+  // Angles in Arvo's notation: alpha is the angle at a, cos_c the cosine of side ab.
   const double alpha = angle_between(cross(a, b), cross(a, c));
   const double cos_alpha = std::cos(alpha), sin_alpha = std::sin(alpha), cos_c = dot(a, b);
   const double part = u.x * solid_angle;  // area of the sub-triangle that ends on side ac
@@ -50,7 +52,7 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
   const Double3 side = normalize(c - a * dot(a, c));
   const Double3 c_hat = a * cos_b + side * std::sqrt(std::max(0.0, 1 - cos_b * cos_b));
 
-  // Along the arc from b to c_hat, by 1 - cos so that a small triangle stays accurate.
+  // Direction along the arc from b to c_hat, by 1 - cos so that a small triangle stays accurate.
   const Double3 chord = c_hat - b;
   const double one_minus_z = u.y * 0.5 * dot(chord, chord);
   const Double3 across = c_hat - b * dot(b, c_hat);
@@ -58,7 +60,7 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
   const double sin_z = std::sqrt(std::max(0.0, one_minus_z * (2 - one_minus_z)));
   const Double3 d = across_length > 0 ? b * (1 - one_minus_z) + across * (sin_z / across_length) : b;
 
-  // The intersection of d with the plane: d k = to0 + b1 e1 + b2 e2 (Cramer's rule).
+  // Intersection of d with the plane: d k = to0 + b1 e1 + b2 e2 (Cramer's rule).
   const Double3 m = cross(d, e2);
   const double determinant = dot(e1, m);
   double b1 = -dot(to0, m) / determinant;
@@ -90,14 +92,14 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   const double g0 = inner(b0, c1), g1 = inner(c1, b1), g2 = inner(b1, c0), g3 = inner(c0, b0);
   const double k = 2 * kPiD - g2 - g3, solid_angle = g0 + g1 - k;
 
-  // Column: cosine of the angle that bounds the fraction u.x of the solid angle.
+  // Column of the sample: cosine of the angle that bounds the fraction u.x of the solid angle.
   const double phi = u.x * solid_angle + k;
   const double f = (std::cos(phi) * b0 - b1) / std::sin(phi);
   const double cu = std::clamp(std::copysign(1 / std::sqrt(f * f + b0 * b0), f), -1.0, 1.0);
   double xu = -(cu * z0) / std::sqrt(1 - cu * cu);
   if (!(xu >= x0)) xu = x0;
   if (xu > x1) xu = x1;
-  // Row: the height of the point on the unit sphere is uniform.
+  // Row of the sample: the height of the point on the unit sphere is uniform.
   const double d2 = xu * xu + z0 * z0;
   const double h0 = y0 / std::sqrt(d2 + y0 * y0), h1 = y1 / std::sqrt(d2 + y1 * y1);
   const double h = h0 + u.y * (h1 - h0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sampling of plane figures by solid angle, without the variance that distance and cosine cause in area
-// sampling. All in double precision: the angles of a small spherical triangle sum to little more than pi.
+// sampling. Computations are in double precision: the angles of a small spherical triangle sum to little more
+// than pi.
 #pragma once
 
 #include "aureole/shape/mesh/mesh_patches.h"
@@ -28,13 +29,13 @@ inline float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3&
   const Vec3 w = p - reference;
   const float distance_squared = dot(w, w), distance = std::sqrt(distance_squared),
               projected = std::abs(dot(w, ng));
-  // The normal is rounded to float: smaller cosines count as edge-on.
+  // Smaller cosines count as edge-on, since the normal is rounded to float.
   if (!(projected > 1e-7f * distance) || !(area > 0)) return 0;
   return distance_squared * distance / (projected * area);
 }
 
-/// The technique by which a patch is sampled from a reference point. It depends on these two alone, so that
-/// sampling and pdf agree.
+/// The technique by which a patch is sampled from a reference point. The technique depends on patch and
+/// reference point alone, so that sampling and pdf agree.
 struct PatchView {
   enum class Technique { none, area, solid_angle };
   Technique technique = Technique::none;
@@ -42,7 +43,7 @@ struct PatchView {
 
   double total() const { return solid_angle[0] + solid_angle[1]; }
   /// Whether the patch is so distant that uniform area and uniform solid angle differ little; area sampling
-  /// costs a sixth.
+  /// has a sixth of the cost.
   static bool is_far(const Vec3& reference, const MeshPatch& patch) {
     return patch.longest_squared < kFar * length_squared(patch.center - reference);
   }

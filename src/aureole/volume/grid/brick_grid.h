@@ -38,7 +38,7 @@ public:
       : size_(size), repeat_(repeat) {
     std::size_t count = 1;
     for (std::size_t i = 0; i < 3; ++i) {
-      // The lower corner of an interpolation is one of -1, ..., size - 1.
+      // Index -1, ..., size - 1 of the lower corner of an interpolation.
       bricks_[i] = (size[i] + kEdge) / kEdge;
       extent_[i] = std::min(kEdge + 1, size[i] + 2);
       if (std::size_t(bricks_[i]) > kMaxBricks / count) throw Error("has more voxels than can be indexed");
@@ -50,7 +50,7 @@ public:
       const std::size_t nx = std::size_t(bricks_[0]), ny = std::size_t(bricks_[1]);
       return std::array{int(b % nx), int(b / nx % ny), int(b / nx / ny)};
     };
-    // All cores find the bricks of one value, one core numbers the bricks, and all cores write them.
+    // All cores search for bricks of one value, one core numbers the bricks, and all cores write them.
     std::vector<std::uint8_t> has_one_value(count);
     constexpr std::size_t kAtOnce = 64;
     for_ranges(
@@ -61,7 +61,7 @@ public:
         },
         kAtOnce);
     index_.reserve(count);
-    std::vector<std::uint32_t> brick_of;  // of each stored brick
+    std::vector<std::uint32_t> brick_of;  // index of the first brick that each stored brick represents
     for (std::size_t b = 0; b < count; ++b) add_brick(b, brick_at(b), has_one_value[b], fetch, brick_of);
     values_.resize(brick_of.size() * brick_size_);
     for_ranges(
@@ -114,7 +114,7 @@ public:
           std::array<int, 3> from, to;
           for (std::size_t i = 0; i < 3; ++i) {
             from[i] = std::max(spans[i][0], at[i] * kEdge - 1);
-            // Voxels on the last brick's border belong to that brick alone.
+            // Voxels on the last brick's border belong to no other brick.
             to[i] = at[i] == last[i] ? spans[i][1] : at[i] * kEdge + kEdge - 2;
           }
           const T* v = values_.data() + std::size_t(index_[brick_number(at)]) * brick_size_;
@@ -137,7 +137,8 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMaxBricks = 150000000;  // 600 MB of indices
+  // upper bound of the number of bricks: 600 MB of indices
+  static constexpr std::size_t kMaxBricks = 150000000;
   static constexpr std::size_t kMaxUniform = 64;
 
   /// Calls f(value) for the values of a brick, x fastest, until it returns false.
@@ -164,7 +165,7 @@ private:
 
   template <class Fetch, class Uniform>
   bool is_constant(const std::array<int, 3>& at, const Fetch& fetch, const Uniform& uniform) const {
-    std::array<int, 3> from, to;  // range without wrapping
+    std::array<int, 3> from, to;  // range of voxels that lies inside the grid, without wrapping
     bool inside = true;
     for (std::size_t i = 0; i < 3; ++i) {
       from[i] = at[i] * kEdge - 1, to[i] = std::min(from[i] + extent_[i] - 1, size_[i]);
@@ -191,7 +192,7 @@ private:
           std::find_if(known_.begin(), known_.end(), [&](const auto& k) { return k.first == one; });
       if (known != known_.end()) {
         index_.push_back(known->second);
-        std::swap(*known, known_.front());  // its neighbours probably have this value, too
+        std::swap(*known, known_.front());  // the neighbouring bricks probably have this value as well
         return;
       }
       if (known_.size() < kMaxUniform)

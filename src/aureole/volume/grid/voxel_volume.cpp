@@ -116,7 +116,8 @@ void VoxelVolume::set(Colors colors) {
   colors_.for_each([&](const UpsampledColor& c) {
     const auto [least, most] = c.range();
     minimum_ = std::min(minimum_, least), maximum_ = std::max(maximum_, most);
-    // Colours of one chromaticity, as in smoke, have one shape, if they are no part below white.
+    // Colours of one chromaticity, as in smoke, share one spectral shape, unless a part of them is below
+    // white.
     const bool same_shape = c.c0 == last.c0 && c.c1 == last.c1 && c.c2 == last.c2;
     if (!(most > 0) || (same_shape && (c.scale == last.scale || (c.scale > 0 && last.scale > 0)))) return;
     last = c;
@@ -143,10 +144,11 @@ VoxelVolume::Place VoxelVolume::place(const Vec3& p) const {
       x -= 2 * n * std::floor(x / (2 * n));
       x = std::min(x, 2 * n - x);
     }
-    x = x > 0 ? std::min(x, n) : 0.f;  // NaN becomes 0
+    x = x > 0 ? std::min(x, n) : 0.f;  // a NaN coordinate becomes 0
     if (!filter_.nearest) {
       x -= .5f;
-      // With `repeat`, the outer halves of border voxels lie between the last voxel and the first.
+      // With `repeat`, the outer halves of border voxels are interpolated between the last voxel and the
+      // first.
       if (filter_.wrap != VoxelWrap::repeat) x = std::min(std::max(x, 0.f), n - 1);
     }
     const float floor = std::floor(x);
@@ -193,7 +195,7 @@ void VoxelVolume::eval_channels(const Vec3& p, float* out) const {
 template <class Value, class Grid>
 void VoxelVolume::bound_grid(const Grid& grid, const Value& value, const std::array<int, 3>& cells,
                              std::span<float> bounds) const {
-  // The voxels on which a cell depends, for each axis.
+  // Range of voxels on which each cell depends, for each axis.
   std::array<std::vector<std::array<int, 2>>, 3> spans;
   for (std::size_t i = 0; i < 3; ++i) {
     const int n = size_[i];
@@ -201,9 +203,9 @@ void VoxelVolume::bound_grid(const Grid& grid, const Value& value, const std::ar
     for (int c = 0; c < cells[i]; ++c) {
       const double from = double(n) * c / cells[i] - double(slip_[i]) - shift;
       const double to = double(n) * (c + 1) / cells[i] + double(slip_[i]) - shift;
-      // Beyond the borders there are only copies of border voxels; with `repeat`, those of the other side
-      // count for cells at either border. Positions are clamped before the conversion: far from the origin,
-      // rounding errors may exceed the range of int.
+      // Beyond the borders there are only copies of border voxels; with `repeat`, cells at a border also
+      // depend on the voxels of the opposite border. Positions are clamped before the conversion: far from
+      // the origin, rounding errors may exceed the range of int.
       const double lower = std::clamp(std::floor(from), -1.0, n - 1.0);
       const double upper = std::clamp(std::floor(to) + (filter_.nearest ? 0 : 1), 0.0, double(n));
       spans[i].push_back({int(lower), int(upper)});

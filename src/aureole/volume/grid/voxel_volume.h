@@ -28,9 +28,9 @@ struct VoxelFilter {
   static std::vector<ParameterDoc> rows();
 };
 
-/// Values in the box [0, 1]^3, which size[0] * size[1] * size[2] equal voxels fill. The value of a voxel is
-/// that at its centre. Between centres it is interpolated linearly along each axis, or it is constant in each
-/// voxel. Colours become spectra voxel by voxel, and the spectra are interpolated.
+/// Values in the box [0, 1]^3, which size[0] * size[1] * size[2] equal voxels fill. The value of a voxel
+/// holds at its centre. Between centres the values are interpolated linearly along each axis, or it is
+/// constant in each voxel. Colours become spectra voxel by voxel, and the spectra are interpolated.
 class VoxelVolume : public Volume {
 public:
   Spectrum eval(const Vec3& p, const Wavelengths& w) const final;
@@ -88,14 +88,14 @@ private:
   }
   void make_numbers() const;
 
-  // Exactly one of the two is not empty, but for numbers that are still to be made.
+  // Either numbers or colours are stored; numbers may still have to be made (`set_later`).
   mutable std::vector<Numbers> numbers_;
   Colors colors_;
   mutable std::atomic<bool> is_pending_ = false;
   mutable std::mutex making_;
   mutable std::function<Numbers()> make_;
   float minimum_ = 0, maximum_ = 0;
-  std::vector<float> envelope_;  ///< of colours, in equal wavelength intervals
+  std::vector<float> envelope_;  ///< largest value of the colours in each of equal wavelength intervals
 };
 
 }  // namespace aureole

@@ -234,7 +234,7 @@ void convert(Block& block, const std::string& name, SparseVoxels& out) {
 }  // namespace
 
 void read_nvdb(const std::filesystem::path& path, const std::optional<std::string>& wanted, SparseFile& out) {
-  // Names first: the default grid is known only after all of them.
+  // The names come first, since the default grid is known only after all of them.
   struct Entry {
     GridHead head;
     Codec codec;
@@ -280,7 +280,7 @@ void read_nvdb(const std::filesystem::path& path, const std::optional<std::strin
   file.skip(entry.place);
   if (entry.codec == Codec::none && entry.head.grid_bytes > file.left())
     throw Error("is truncated: it ends in the grid \"" + out.grids[which] + "\"");
-  constexpr double kMaxRatio = 1100;  // of deflate
+  constexpr double kMaxRatio = 1100;  // largest compression ratio of deflate
   try {
     require_content(double(entry.head.grid_bytes), double(all), kMaxRatio);
   } catch (const Error& problem) {

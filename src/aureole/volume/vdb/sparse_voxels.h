@@ -21,14 +21,14 @@ struct SparseVoxels {
   };
 
   std::string name;
-  int channels = 1;  ///< 1 or 3
+  int channels = 1;  ///< numbers of a voxel: 1 or 3
   /// Transform to the grid's space from coordinates that are integers at the voxels' centres; row-major, for
   /// column vectors.
   std::array<std::array<double, 4>, 4> to_space{};
   std::array<float, 3> background{};  ///< value outside tiles and blocks
   std::vector<Tile> tiles;
   std::vector<Coordinates> blocks;  ///< lowest voxel of each block, multiples of kEdge
-  std::vector<float> values;        ///< of the blocks: channels of a voxel, then x, y, z
+  std::vector<float> values;        ///< values of the blocks: channels of a voxel, then x, y, z
   Coordinates lower{}, upper{};     ///< bounds of the active voxels
   bool empty = true;                ///< whether there are no active voxels
 
@@ -41,8 +41,8 @@ struct SparseVoxels {
   }
 };
 
-/// Adds a leaf of OpenVDB or NanoVDB, in which z is fastest: `is_active(i)`, and `value(i)` of all channels,
-/// for the i-th voxel.
+/// Adds a leaf of OpenVDB or NanoVDB, in which z is fastest. For the i-th voxel, `is_active(i)` returns
+/// whether it is active and `value(i)` its channels.
 template <class IsActive, class Value>
 void add_block(SparseVoxels& voxels, const SparseVoxels::Coordinates& origin, const IsActive& is_active,
                const Value& value) {

@@ -37,7 +37,7 @@ public:
   void skip_metadata() {
     const auto count = number<std::uint32_t>();
     for (std::uint32_t i = 0; i < count && good(); ++i) {
-      skip_text();  // name
+      skip_text();  // skips the name of the metadata
       const bool lists_leaves = text(64) == "__delayedload";
       const auto length = number<std::uint32_t>();
       const std::int64_t value = position();
@@ -64,21 +64,21 @@ private:
 bool lengths_are_good(Reader& in) {
   in.skip(2 * sizeof(std::uint32_t));  // version of the library
   const bool has_offsets = in.number<char>() != 0;
-  in.skip(36);  // unique identifier
+  in.skip(36);  // skips the unique identifier
   in.skip_metadata();
   const auto grids = in.number<std::int32_t>();
   for (std::int32_t i = 0; i < grids && in.good(); ++i) {
-    in.skip_text();  // name
-    in.skip_text();  // type
+    in.skip_text();  // skips the name of the grid
+    in.skip_text();  // skips its type
     in.skip_text();  // parent grid, if it is an instance
     const auto grid = in.number<std::int64_t>();
-    in.skip(sizeof(std::int64_t));  // start of its values
+    in.skip(sizeof(std::int64_t));  // skips the position of its values
     const auto end = in.number<std::int64_t>();
     if (!has_offsets) return in.good();  // the grids follow one another without a list
     in.go_to(grid);
-    in.skip(sizeof(std::uint32_t));  // compression
+    in.skip(sizeof(std::uint32_t));  // skips the compression flags
     in.skip_metadata();
-    in.skip_text();  // type of the transform
+    in.skip_text();  // skips the type of the transform
     in.go_to(end);
   }
   return in.good();
