@@ -12,8 +12,9 @@
 namespace aureole {
 namespace {
 
-/// Matrices with the distributions of patches for each incident patch. Where the two incident bases of a side differ, each
-/// has distributions of its own, and the side is chosen by their powers.
+/// A sheet's matrices with a sampling distribution over outgoing patches for each incident patch. The
+/// reflection and the transmission of a side may have different incident patches; each has distributions of
+/// its own, and their powers choose between them.
 class SampledKlemsSheet {
 public:
   explicit SampledKlemsSheet(KlemsSheet sheet) : sheet_(std::move(sheet)) {

@@ -87,7 +87,7 @@ public:
 
 private:
   struct State {
-    /// weights of the lobes; diff_trans is scaled to [0, 1]
+    /// parameters at the point; diff_trans is scaled to [0, 1]
     float roughness, anisotropic, spec_trans, eta, diff_trans;
     Ggx ggx;
     float p_specular_reflect, p_specular_transmit, p_diffuse_reflect, p_diffuse_transmit, total;

@@ -20,21 +20,22 @@ using beside::kPassing;
 using beside::kReach;
 using beside::kSpread;
 
-// In sigma:
-/// Of an edge at the end of the way others are ignored that are nearer, as where they interfere
-/// (`SceneEdges::far_enough`).
+// Distance, in sigma, from an edge at the segment's endpoint within which other edges are ignored, since they
+// interfere with it (`SceneEdges::far_enough`).
 constexpr float kIgnored = 7;
-/// Edges within this depth take of the same light, others one group after the other.
+/// Depth, in sigma, within which edges remove power from the same light; farther edges act one group after
+/// the other.
 constexpr double kTogether = 7;
-/// Edges nearer than that are looked at where directions are chosen.
+/// Distance, in sigma, within which edges take part in the sampling of directions.
 constexpr float kNear = 7;
-/// One edge is drawn for every so many that are beside a way, and at most so many are.
+/// Number of edges beside a segment for each sampled edge, and upper bound of the sampled edges.
 constexpr int kPerDraw = 12, kMostDraws = 4;
 
-/// Makes keys of its own from those of others.
+/// Constants that make separate random streams from a caller's key.
 constexpr std::uint32_t kLooked = 0x1b56c4e9u, kLent = 0x68e31da4u;
 
-/// Ways of one path may share a key, and parts of one way their direction.
+/// Returns a key for a segment: segments of one path may share `key`, and pieces of a segment share their
+/// direction.
 std::uint32_t key_of(const LightWay& way, std::uint32_t key) {
   constexpr std::uint64_t kOdd[] = {0x9e3779b97f4a7c15u, 0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu},
                           kOdder[] = {0xd6e8feb86659fd93u, 0xa0761d6478bd642fu, 0xe7037ed1a0b428dbu};
@@ -45,7 +46,8 @@ std::uint32_t key_of(const LightWay& way, std::uint32_t key) {
   return std::uint32_t(bits >> 32) ^ std::uint32_t(bits);
 }
 
-/// Places seen along a way, in units of the deviation from its begin.
+/// Transforms points to coordinates along a segment, in units of the Gaussian's standard deviation from its
+/// origin.
 struct View {
   View(const Vec3& origin, const Vec3& along, double deviation)
       : o(origin), z(normalize(Double3(along))), scale(1 / deviation) {
@@ -60,22 +62,23 @@ struct View {
   double scale;
 };
 
-/// A stretch of an edge beside a way, seen along that in deviations.
+/// A piece of an edge beside a segment, in coordinates along the segment, in units of the deviation.
 struct Stretch {
   const MeshEdge* edge;
-  Double3 from, along;  ///< one end, and from there to the other
-  double foot;          ///< of the way, as a fraction of the edge
-  double begin, end;    ///< the part of it that lies beside the way
-  double depth;         ///< of its nearest place
-  double weight;        ///< about the part of G that falls on it
+  Double3 from, along;  ///< one end of the edge, and the vector to the other end
+  double foot;          ///< point nearest to the segment's line, as a fraction of the edge
+  double begin, end;    ///< interval of the edge that lies beside the segment
+  double depth;         ///< depth of the nearest point of the piece
+  double weight;        ///< approximate integral of G over the piece
 };
 
-/// The stretch of an edge, of no weight where that is not beside the way, whose depths are [first, last].
+/// Returns the piece of an edge whose depths lie in [first, last]; its weight is 0 where the edge is not
+/// beside the segment.
 Stretch stretch_of(const MeshEdge& edge, const View& view, double first, double last) {
   Stretch s{&edge, view(Double3(edge.a)), {}, 0, 0, 1, 0, 0};
   s.along = view(Double3(edge.b)) - s.from;
   const double shown2 = s.along.x * s.along.x + s.along.y * s.along.y;
-  if (!(shown2 > 1e-6 * s.along.z * s.along.z)) return s;  // along the way it diffracts nothing
+  if (!(shown2 > 1e-6 * s.along.z * s.along.z)) return s;  // an edge along the segment diffracts nothing
   if (std::abs(s.along.z) > 1e-12) {
     const double t0 = (first - s.from.z) / s.along.z, t1 = (last - s.from.z) / s.along.z;
     s.begin = std::max(s.begin, std::min(t0, t1)), s.end = std::min(s.end, std::max(t0, t1));
@@ -100,7 +103,8 @@ Spectrum power_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d, co
   return diffracted_at(edges, x, d, beams, u);
 }
 
-/// An estimate of what one of the stretches, drawn by its weight, takes; `all` is the sum of the weights.
+/// Returns an estimate of the power that one of the pieces, sampled by its weight, removes; `all` is the sum
+/// of the weights.
 Spectrum lent_at(const Scene& scene, std::span<const Stretch> stretches, double all, const Vec3& d,
                  double deviation, const SceneEdges::Beams& beams, KeyedRandom& random) {
   double rest = random.next() * all;
@@ -113,7 +117,7 @@ Spectrum lent_at(const Scene& scene, std::span<const Stretch> stretches, double 
   const double at = std::clamp(
       s.foot + sample_between(low, high, random.next()) * std::numbers::sqrt2 / shown, s.begin, s.end);
   const double x = s.from.x + s.foot * s.along.x, y = s.from.y + s.foot * s.along.y;
-  // The integral of G over the stretch, per length [1/unit of length of the scene].
+  // Integral of G over the piece, per length [1/unit of length of the scene].
   const double mass = std::exp(-0.5 * (x * x + y * y)) * 0.5 * (high - low) / std::sqrt(2 * pi) *
                       EdgeLine(*s.edge).length / (shown * deviation * deviation);
   if (!(mass > 0)) return 0.f;
@@ -126,15 +130,16 @@ Spectrum lent_at(const Scene& scene, std::span<const Stretch> stretches, double 
          float(mass * all / s.weight * per_way);
 }
 
-/// An estimate of D, of edges at one depth.
+/// Returns an estimate of D for the edges at one depth.
 Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3& d, double deviation,
               const SceneEdges::Beams& beams, KeyedRandom& random) {
   double all = 0;
   for (const Stretch& s : stretches) all += s.weight;
-  // Where little can be taken it is looked at seldom: S is about half of sigma, N half.
+  // Probability of evaluating the edges: Russian roulette where little power can be removed, since S is about
+  // half of sigma, and N about half.
   const double probability = std::clamp(2 * all / (std::sqrt(2 * pi) * kSpread), 0.01, 1.0);
   if (random.next() >= probability) return 0.f;
-  // S of many edges near one another differs much, and has both signs.
+  // Number of samples: S of many edges near one another varies strongly and has both signs.
   const int draws = std::clamp(int(stretches.size()) / kPerDraw, 1, kMostDraws);
   Spectrum sum = 0.f;
   for (int i = 0; i < draws; ++i) sum += lent_at(scene, stretches, all, d, deviation, beams, random);
@@ -145,8 +150,8 @@ Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3
 
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
                        const SceneEdges::Beams& beams, std::span<const float, 7> u) {
-  // Directions from the cones of all edges near by, and from a lobe about that of the light, where corners
-  // send it.
+  // Directions are sampled from the cones of all edges nearby, and from a lobe about the light's direction,
+  // into which corners diffract.
   thread_local std::vector<const MeshEdge*> near;
   near.clear();
   const float radius = kNear * beams.widest;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of edges that a segment passes one after the other, and which diffract its light together.
+// Rows of edges: successive edges along a segment that diffract its light together.
 #pragma once
 
 #include <algorithm>
@@ -11,22 +11,22 @@
 
 namespace aureole {
 
-/// A part of an edge that may act together with others.
+/// A part of an edge that may diffract light together with others.
 struct RowPart {
   EdgePassage passage;
-  double v = 0;          ///< |v| of the longest wavelength
-  std::size_t part = 0;  ///< its index among all parts
-  double weight = 1;     ///< share of its wave that acts in rows and not by itself
-  /// Whether its wave was subtracted from the field as that of a segment on its open side (true) or in its shadow (false);
-  /// empty: it was not subtracted.
+  double v = 0;          ///< magnitude of Fresnel's parameter v at the longest wavelength
+  std::size_t part = 0;  ///< index of the part among all parts
+  double weight = 1;     ///< fraction of the part's wave that acts in rows instead of by itself
+  /// Side on which the segment passed when the part's wave was subtracted from the field: the open side
+  /// (true) or the shadow (false); empty: it was not subtracted.
   std::optional<bool> subtracted{};
 };
 
-/// Parts of edges that may act together, in the order along the segment.
+/// Parts of edges that may diffract light together, in their order along the segment.
 class RowParts {
 public:
   static constexpr std::size_t kCapacity = 24;
-  /// Of more than kCapacity edges those with the smallest |v| are kept.
+  /// Adds a part. At most kCapacity parts are kept, those with the smallest |v|.
   void add(const RowPart& part) {
     if (part.v > kLargestV) return;
     if (count_ < kCapacity) {
@@ -46,12 +46,13 @@ public:
   const RowPart& operator[](std::size_t i) const { return parts_[i]; }
 
 private:
-  static constexpr double kLargestV = 15;  ///< beyond it two edges have less than 1e-3 of the field together
+  /// largest |v|: beyond it, two edges together contribute less than 1e-3 of the field
+  static constexpr double kLargestV = 15;
   std::size_t count_ = 0;
   std::array<RowPart, kCapacity> parts_;
 };
 
-/// Rows of edges one behind the other, and their common field.
+/// Rows of successive edges, and their common field.
 class EdgeRows {
 public:
   /// `sees(side, is_begin)`: whether a point beside an edge is visible from the segment's begin or end.
@@ -68,14 +69,15 @@ public:
         link.exists = is_free_between(pair.side1, pair.side2);
         if (!link.exists) continue;
         link.from_begin = sees(pair.side1, true), link.to_end = sees(pair.side2, false);
-        // Where rays by way of single edges do not agree with half planes, the edges are no screens for each other.
+        // Edges whose rays do not agree with half planes are no screens for each other.
         if (link.from_begin && link.to_end &&
             pair.agrees(parts[i].subtracted.has_value(), parts[k].subtracted.has_value()))
           join(i, k);
       }
   }
-  /// Calls use(row, count) for each row of at least three edges, as indices into the parts: sets of pairs that act together or,
-  /// if the segment is blocked and no light reaches its end by way of one edge, the shortest path over several.
+  /// Calls use(row, count) for each row of at least three edges, as indices into the parts. Rows are sets of
+  /// pairs that act together. If the segment is occluded and no light reaches its end around one edge, the
+  /// shortest path around several edges is a row as well.
   template <class Use>
   void for_each(bool is_dark, const Use& use) const {
     std::array<std::size_t, RowParts::kCapacity> row;
@@ -85,7 +87,8 @@ public:
       for (std::size_t i = first; i < parts_.size(); ++i)
         if (row_of_[i] == first) row[count++] = i, least = std::min(least, signed_v(i));
       if (count < 3) continue;
-      // An edge far below the others' is no screen between them: it would end their correlation.
+      // Difference of v beyond which a lower edge is no screen between the others: including it would end
+      // their correlation.
       constexpr double kBelow = 2;
       const auto last = std::remove_if(row.begin(), row.begin() + std::ptrdiff_t(count),
                                        [&](std::size_t i) { return signed_v(i) > least + kBelow; });
@@ -105,7 +108,7 @@ private:
     for (std::size_t& row : row_of_)
       if (row == from) row = to;
   }
-  /// |v|, negative where the segment was taken to pass in the edge's shadow.
+  /// Returns |v|, with a negative sign where the segment passes in the edge's shadow.
   double signed_v(std::size_t i) const {
     EdgeSide side;
     const EdgePassage& p = parts_[i].passage;
@@ -117,7 +120,8 @@ private:
       if (!links_[row[i]][row[i + 1]].exists) return false;
     return true;
   }
-  /// The shortest way from the segment's begin by way of linked edges to its end; returns their number.
+  /// Finds the shortest path from the segment's begin to its end by way of linked edges; returns the number
+  /// of edges.
   std::size_t find_shortest(std::size_t* row) const {
     constexpr double kFar = 1e300;
     const std::size_t n = parts_.size();

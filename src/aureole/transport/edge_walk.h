@@ -20,7 +20,7 @@ inline bool has_diffracting_edges(const Scene& scene) {
   return scene.diffraction() && scene.diffraction()->has_edges();
 }
 
-/// Whether the walks of that density leave their vertices for edges. Light paths of `bdpt` only have to find
+/// Whether walks with that density leave their vertices for edges. Light paths of `bdpt` only need to sample
 /// edges that the sensor sees in mirrors or smooth glass.
 template <class Density>
 bool walks_to_edges(const Scene& scene) {
@@ -29,7 +29,8 @@ bool walks_to_edges(const Scene& scene) {
          scene.diffraction()->edges().has_mirrors();
 }
 
-/// Light of one light that reaches the sensor around one edge, for one path; nothing where it is black.
+/// Samples light of one emitter that reaches the sensor around one edge, for one path; nothing where it is
+/// black.
 inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index, Path& path,
                                                    const PathLimits& limits) {
   EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Stream::diffracted_light),
@@ -46,14 +47,15 @@ class EdgeWalk {
 public:
   explicit EdgeWalk(const Scene& scene) : scene_(scene), is_on_(has_diffracting_edges(scene)) {}
 
-  /// Multiplies the path's throughput by the diffraction factor of the segment of that length along its
+  /// Multiplies the path's throughput by the diffraction factor of a segment of the given length along the
   /// present ray.
   template <class W>
   void attenuate(W& walk, int i, float length) const {
     if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
     if (scene_.outline_edges()) {
-      // Light from infinity is taken from where it arrives.
+      // Whether the segment is evaluated in reverse: light from infinity is evaluated from the point at which
+      // it arrives.
       const bool is_reversed = s.diffraction.begins_at_infinity;
       const Vec3 &o = s.segment.origin, &d = s.segment.ray.d;
       s.density.attenuate(segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
@@ -67,8 +69,9 @@ public:
                                       key(walk.samples(i), s.vertex, Stream::distance)));
   }
 
-  /// Whether the ray of a light path goes on behind the obstacle that it has hit, into its shadow: by chance, where edges
-  /// are near the ray. No other technique finds light so, so that the choice is no part of a MIS weight.
+  /// Whether the ray of a light path continues behind the obstacle that it has hit, into the shadow. It does
+  /// so with a fixed probability where edges are near the ray. No other technique samples such paths, so that
+  /// the choice is in no MIS weight.
   template <class W>
   bool goes_behind(W& walk, int i) const {
     if constexpr (!W::kDiffracts || W::kFromSensor) {
@@ -86,15 +89,16 @@ public:
     }
   }
 
-  /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge
-  /// that it has left.
+  /// Updates the path at a vertex at `p`. Returns false where the path ends, because `p` lies within the beam
+  /// of the edge that it has left.
   template <class W>
   bool arrive(W& walk, int i, const Vec3& p) const {
     auto& s = walk.state(i);
     return !s.diffraction.is_set || s.diffraction.leaves_beam(scene_, p, walk.wavelengths(i), s.density);
   }
 
-  /// Whether the path leaves its vertex for an edge, which it does with `probability`.
+  /// Whether the path leaves its vertex for an edge, which it does with the probability that `probability`
+  /// receives.
   template <class W>
   bool is_left(W& walk, int i, float& probability) const {
     if (!is_on_ || !walks_to_edges<typename W::Density>(scene_)) return false;
@@ -122,20 +126,20 @@ public:
     return leave_edge(walk, i, edges, at, value);
   }
 
-  /// The path is scattered at a vertex.
+  /// Updates the state of a path that is scattered at a vertex.
   template <class W>
   void scatter(W& walk, int i, bool delta) const {
     auto& after = walk.state(i).diffraction;
     after.is_set = false;
     if constexpr (kIsTwoWayLight<W>) {
-      // The edge before a mirror is found from the light, any other one from the sensor.
+      // An edge before a mirror is sampled from the light, any other edge from the sensor.
       if (after.is_next) after.found_from_sensor = !delta;
       after.is_next = false;
     }
   }
 
-  /// Begins a path at an edge, which the sensor sees at `film` or which a light irradiates. False where there
-  /// is none.
+  /// Begins a path at an edge that the sensor sees at `film`, or that a light irradiates. Returns false where
+  /// there is none.
   template <class W>
   bool begin(W& walk, int i, Vec2& film) const {
     if (!walk.limits().reaches(3 + kSegmentsBehind<W>)) return false;
@@ -150,7 +154,7 @@ public:
       if (!edges.begin_at_sensor(edges.next2(), value, at, film)) return false;
     } else {
       if (!edges.begin_at_light(value, at)) return false;
-      s.density.beta = 1.f;  // `value` has the light
+      s.density.beta = 1.f;  // `value` includes the light
     }
     s.first_throughput = max_component(abs(value));
     return leave_edge(walk, i, edges, at, value);
@@ -196,8 +200,8 @@ private:
   template <class W>
   static constexpr bool kIsTwoWayLight =
       std::is_same_v<typename W::Density, LightSubpathDensity<Unpolarised>>;
-  /// Segments that a path has at least behind its next vertex: light paths of `bdpt` are not connected with
-  /// the sensor at edges.
+  /// Least number of segments that a path has behind its next vertex: light paths of `bdpt` are not connected
+  /// with the sensor at edges.
   template <class W>
   static constexpr int kSegmentsBehind = kIsTwoWayLight<W>;
 
@@ -222,8 +226,8 @@ private:
                   .text = "sensor around an edge"});
   }
 
-  /// From an edge, perhaps by way of other ones, into a direction: the state of the path becomes that behind
-  /// it.
+  /// Continues a path from an edge, possibly by way of other edges, into a direction. The state of the path
+  /// becomes the state behind the last edge.
   template <class W>
   bool leave_edge(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& first,
                   const Spectrum& value) const {
@@ -261,13 +265,13 @@ private:
       s.from.p = s.diffraction.edge;
     }
     if constexpr (kIsTwoWayLight<W>) s.diffraction.found_from_sensor = s.diffraction.is_next = true;
-    // Connections from before the edge have counted the lights that the path hits next.
+    // Connections before the edge have already counted the lights that the path hits next.
     s.emission_counted = true;
     ++s.vertex;
     return walk.survives(i);
   }
 
-  /// Connects an edge that a path of `bdpt` has come to, with the factor `value`, with a vertex of a light
+  /// Connects an edge that a path of `bdpt` has reached, with the factor `value`, to a vertex of a light
   /// path.
   template <class W>
   void connect_with_light_vertex(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& at,
@@ -285,8 +289,8 @@ private:
     Connection c;
     c.set(edge, normalize(light.vertex.p() - edge.p), light.vertex.origin());
     const float inverse = 1 / distance2;
-    // Light paths do not find this edge: the other techniques are the walk of the sensor's path, and what is
-    // behind.
+    // Pdf of the other techniques: the walk of the sensor's path, and those of the light path behind the
+    // vertex. Light paths do not sample this edge.
     const Spectrum other = s.density.r_u * light.vertex.density_across(d) *
                            light.density.others(light.vertex.reverse_pdf(-d)) *
                            (edges.scatter_pdf(at, d) * inverse);
@@ -312,11 +316,11 @@ private:
   const bool is_on_;
 };
 
-/// Paths that begin at edges, and light that reaches the sensor around one edge alone. The paths of `in` are
-/// followed once more, by random numbers of their own: the `stream`-th second stream of each. `sees_lights`:
-/// paths with one edge between a light and the sensor count. `run(second, begin)` makes a walk of the input
-/// `second`, calls begin(walk, rays), which adds the rays of paths that have begun, and follows them. What
-/// they find is left as splats.
+/// Follows paths that begin at edges, and adds light that reaches the sensor around one edge alone. The paths
+/// of `in` are followed once more, with random numbers of their own: the `stream`-th second stream of each.
+/// `sees_lights`: whether paths with one edge between a light and the sensor count. `run(second, begin)`
+/// makes a walk of the input `second`, calls begin(walk, rays), which adds the rays of the paths that have
+/// begun, and follows them. The light that they find is added as splats.
 template <class Run>
 [[gnu::noinline]] void follow_diffracted_paths(const WalkInput& in, int stream, bool sees_lights,
                                                std::vector<Splat>& splats, Run&& run) {
@@ -347,7 +351,8 @@ template <class Run>
   }
 }
 
-/// Light that reaches the sensor around one edge alone, for integrators without paths that begin at edges.
+/// Adds light that reaches the sensor around one edge alone, for integrators without paths that begin at
+/// edges.
 inline void see_diffracted_light(const WalkInput& in, std::vector<Splat>& splats) {
   if (!has_diffracting_edges(in.scene)) return;
   for (std::size_t i = 0; i < in.paths.size(); ++i)
@@ -355,8 +360,8 @@ inline void see_diffracted_light(const WalkInput& in, std::vector<Splat>& splats
       splats.push_back(*splat);
 }
 
-/// Light paths of `bdpt` that begin at an edge, where the scene needs them: `run(begin)` as above, without
-/// random numbers of its own.
+/// Follows light paths of `bdpt` that begin at an edge, where the scene needs them; `run(begin)` as above,
+/// without random numbers of its own.
 template <class Walk, class Run>
 void follow_diffracted_light_paths(const WalkInput& in, Run&& run) {
   if (!walks_to_edges<typename Walk::Density>(in.scene)) return;

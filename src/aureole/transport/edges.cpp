@@ -8,19 +8,19 @@ namespace aureole {
 
 namespace {
 
-/// In scenes with media: what is around the way from a place along d.
+/// Returns the state of a ray that leaves a vertex along d, which only scenes with media need.
 RayState leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d) {
   return scene.has_media() ? from.leaving(d) : RayState{};
 }
 
-/// Transmittance and diffraction factor of a segment that begins or ends at an edge; `end` receives the state
-/// of a ray there.
+/// Returns transmittance times diffraction factor of a segment that begins or ends at an edge; `end` receives
+/// the ray state at its far endpoint.
 Spectrum passed_along(const Scene& scene, TestSegment& c, LightWay::End begin, LightWay::End finish,
                       const Wavelengths& w, const RayState& start, std::uint32_t key, RayState* end,
                       int& crossings_left) {
   if (scene.has_media()) c.begin_in(start, key);
   c.crossings_left = crossings_left;
-  c.own = 1.f / kWavelengths, c.other = 0.f;  // there is no other technique
+  c.own = 1.f / kWavelengths, c.other = 0.f;  // no other technique finds this segment
   c.passage = 1.f;
   if (!is_visible(scene, c, w)) return 0.f;
   crossings_left = c.crossings_left;
@@ -44,8 +44,9 @@ Spectrum EdgePaths::passed_to_edge(const RayOrigin& from, LightWay::End from_end
                                    const RayState& surroundings, bool through_emitters, std::uint32_t key,
                                    RayState* end, int& crossings_left) const {
   const RayOrigin edge = RayOrigin::in_space(point.p);
-  // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the
-  // way. What is around has to be followed from the other end.
+  // Rays are traced from the edge, where the ray tracer's rounding error refers to the faces there and not to
+  // the segment's length. In scenes with media they are traced from the vertex, since the media are known
+  // there.
   TestSegment c =
       scene_.has_media() ? between(from, edge, through_emitters) : between(edge, from, through_emitters);
   return passed_along(scene_, c, scene_.has_media() ? from_end : kEdge, scene_.has_media() ? kEdge : from_end,
@@ -74,7 +75,7 @@ bool EdgePaths::choose_lamp(LampEnd& lamp) {
 }
 
 bool EdgePaths::find_guide(const Vec3& seen_from, LampEnd& lamp) const {
-  // The point of the light is chosen again as seen from the edge, by the same numbers.
+  // The point of the light is sampled again from the edge's position, with the same numbers.
   const auto end = lamp_end(*lamp.light, lamp.part, lamp.u, seen_from, w_);
   if (end) lamp.guide = *end;
   return end.has_value();
@@ -113,7 +114,7 @@ Spectrum EdgePaths::through(const EdgePoint& point, const RayOrigin& from, Light
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const RayOrigin origin = RayOrigin::in_space(point.p);
   RayState at_edge;
-  int left = crossings_left_;  // the path itself stays where it is
+  int left = crossings_left_;  // copy of the number of crossings, since the path itself does not move
   const Spectrum passed =
       passed_to_edge(from, from_end, point, surroundings, through_emitters, key, &at_edge, left);
   if (is_black(passed)) return 0.f;
@@ -130,7 +131,7 @@ Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Ve
   Vec3 wo;
   bool infinite;
   Spectrum value = lit(point, lamp, start, wo, infinite);
-  // The kernel costs most, and most ways are blocked.
+  // The order is by cost: the kernel is the most expensive factor, and most segments are occluded.
   if (is_black(value) || !SceneEdges::turns_around(point, d, wo)) return 0.f;
   value *= reach(from, point);
   if (is_black(value)) return 0.f;
@@ -165,14 +166,15 @@ float EdgePaths::looked_on_film() {
 }
 
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
-  // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
+  // A point of the aperture that guides the choice of the edge; `lens` samples the actual point again from
+  // the edge's position.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
   float part = looked_on_film();
   LampEnd lamp;
   if (part == 0 || !choose_lamp(lamp)) return 0.f;
   part *= looked_for(eye, lamp.per_distance, true);
   if (part == 0 || !find_guide(eye, lamp)) return 0.f;
-  // Edges that the sensor is known to see, or in some cases all others.
+  // Probability of sampling other edges than those that the sensor is known to see.
   constexpr float kOthers = 0.25f;
   std::optional<EdgePoint> point;
   if (const SeenEdges::Table* table = scene_.diffraction()->seen_edges().from(*lamp.light, lamp.part, lens)) {
@@ -222,7 +224,8 @@ bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d,
 }
 
 bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film) {
-  // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
+  // A point of the aperture that guides the choice of the edge; `lens` samples the actual point again from
+  // the edge's position.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
   const float begins = begun_from(eye);
   if (begins == 0) return false;
@@ -254,8 +257,8 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   out.point = *point, out.d = -wo;
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const RayOrigin origin = RayOrigin::in_space(point->p);
-  // Traced from the edge to the lamp: what passes is the same both ways, and lamps at infinity have no place
-  // to begin at.
+  // The segment is traced from the edge to the light: its transmittance is equal in both directions, and
+  // lights at infinity have no point at which a ray could begin.
   out.state = RayState{Ray{point->p, wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_interiors(scene_, out.state);
   TestSegment c;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths around edges that diffract light (docs/diffraction.md). A place on an edge is a vertex without area:
-// light comes to it and leaves it by the kernel of `SceneEdges`.
+// Paths around edges that diffract light (docs/diffraction.md). A point on an edge is a path vertex without
+// area, at which the kernel of `SceneEdges` scatters light.
 //
-// Each place on an edge is found in one way only. Where it is the neighbour of the path's far end (a light in
-// `path`, `direct` and `bdpt`, the sensor in `ptracer`), it is chosen for the two places that it lies
-// between, as an end that connections look for. Else a walk goes there: it leaves its vertex for an edge with
-// the probability `to_edge`, and goes on behind it by the edge's kernel. The weights of `bdpt` for the rest
-// of such paths are in integrator/bdpt/subpath.h.
+// Each point on an edge is sampled by one technique only. An edge vertex next to the path's far endpoint (a
+// light in `path`, `direct` and `bdpt`, the sensor in `ptracer`) is sampled for its two neighbours, like the
+// endpoint of a connection. Other edge vertices are sampled by a walk: it leaves its vertex for an edge with
+// the probability `to_edge`, and continues behind the edge by the edge's kernel. The weights of `bdpt` for
+// the rest of such paths are in integrator/bdpt/subpath.h.
 #pragma once
 
 #include <optional>
@@ -21,24 +21,25 @@
 
 namespace aureole {
 
-/// Where a path has left an edge, until it comes to a vertex.
+/// State of a path that has left an edge, until it arrives at a vertex.
 struct AfterEdge {
   Vec3 edge;
   bool is_set = false;
-  float pdf = 0;  ///< with which the direction was chosen [1/sr]
-  // For light paths of `bdpt`:
-  bool found_from_sensor =
-      false;             ///< the path's last edge is found from the sensor: its vertices are not connected
-  bool is_next = false;  ///< the vertex before the present one is an edge
-  /// For light paths with the diffraction model "segments": the ray went on behind an obstacle.
+  float pdf = 0;  ///< pdf with which the direction was sampled [1/sr]
+  // State of light paths of `bdpt`:
+  /// whether the path's last edge is sampled from the sensor, so that its vertices are not connected
+  bool found_from_sensor = false;
+  bool is_next = false;  ///< whether the vertex before the present one is an edge
+  /// Whether the ray went on behind an obstacle, for light paths with the diffraction model "segments".
   bool is_behind = false;
-  /// Diffraction model "segments": the present segment comes from a light at infinity.
+  /// Whether the present segment comes from a light at infinity, with the diffraction model "segments".
   bool begins_at_infinity = false;
 
-  /// Where the path's flight has begun.
+  /// Returns the kind of the endpoint at which the path's present segment begins.
   LightWay::End end() const { return is_set ? LightWay::End::edge : LightWay::End::vertex; }
 
-  /// At a vertex: false where it lies in the edge's beam at all wavelengths, which those where it does lose.
+  /// Zeroes, at a vertex, the wavelengths whose beam around the edge contains `p`. Returns false if no
+  /// wavelength is left.
   template <class Density>
   [[gnu::noinline]] bool leaves_beam(const Scene& scene, const Vec3& p, const Wavelengths& w,
                                      Density& density) {
@@ -53,7 +54,7 @@ class EdgePaths {
 public:
   /// Probability of leaving an edge for another edge.
   static constexpr float kToNextEdge = 0.25f;
-  /// Probability of leaving a vertex for an edge: seldom where edges are far or beams narrow.
+  /// Probability of leaving a vertex for an edge, small where edges are far or beams narrow.
   static float to_edge(const Scene& scene, const Vec3& p, const Wavelengths& w) {
     return std::clamp(8 * scene.diffraction()->edges().seen_from(p, scene.diffraction()->edges().beams(w)),
                       1 / 64.f, 0.25f);
@@ -61,7 +62,7 @@ public:
 
   EdgePaths(const Scene& scene, const Wavelengths& w, std::uint32_t key, bool hide_emitters = false)
       : EdgePaths(scene, w, KeyedRandom(key), hide_emitters) {}
-  /// `random` may have been asked before.
+  /// Takes `random` in its present state, from which numbers may have been drawn.
   EdgePaths(const Scene& scene, const Wavelengths& w, const KeyedRandom& random, bool hide_emitters = false)
       : scene_(scene),
         edges_(scene.diffraction()->edges()),
@@ -70,17 +71,17 @@ public:
         random_(random),
         hide_emitters_(hide_emitters) {}
 
-  /// Sets how many surfaces the path may cross from here on that count for the limit of segments; at first there
-  /// is no limit.
+  /// Sets how many surfaces the path may cross from here on that count for the limit of segments; initially
+  /// there is no limit.
   void limit_crossings(int left) { crossings_allowed_ = crossings_left_ = left; }
-  /// Returns how many of them it has crossed on its way from edge to edge since it was last asked.
+  /// Returns the number of counted surfaces that the path has crossed between edges since the last call.
   int take_crossed() { return std::exchange(crossings_allowed_, crossings_left_) - crossings_left_; }
 
-  /// A place of a path that light goes from or to around an edge: a vertex or another edge.
+  /// A path vertex from or to which light is diffracted by an edge: a vertex of the scene or another edge.
   struct Place {
     RayOrigin origin;
-    const RayState* state;           ///< that has led there, or leaves an edge
-    const Vertex* vertex = nullptr;  ///< null: an edge
+    const RayState* state;           ///< state of the ray that led there, or that leaves an edge
+    const Vertex* vertex = nullptr;  ///< the vertex; null: an edge
 
     LightWay::End end() const { return vertex ? LightWay::End::vertex : LightWay::End::edge; }
     RayState leaving(const Vec3& d) const { return vertex ? vertex->leaving(d, *state) : *state; }
@@ -88,27 +89,27 @@ public:
   static Place at_vertex(const Vertex& vertex, const RayState& state) {
     return {vertex.origin(), &state, &vertex};
   }
-  /// The response of a vertex in a direction to light of 1 at all wavelengths.
+  /// Returns the response of a vertex in a direction to light of 1 at all wavelengths.
   static Spectrum response(const Vertex& vertex, const Vec3& d) {
     Response r;
     return vertex.respond(d, r) ? r.value.of(1.f) : Spectrum(0.f);
   }
-  /// At an edge: the place on it and the direction of travel of the path that has come there.
+  /// A path at an edge: the point on the edge, and the direction of travel of the path that arrived there.
   struct AtEdge {
     EdgePoint point;
     Vec3 d;
-    RayState state;  ///< there, without a ray
+    RayState state;  ///< state at the edge, without a ray
 
     Place place() const { return {RayOrigin::in_space(point.p), &state}; }
   };
 
-  /// Other light at a place, beside which what edges send there is looked at less often: none, that of a lamp
-  /// without going around an edge, or light by way of surfaces, as the scene's shadows have it.
+  /// Kind of the other light at a vertex, relative to which diffracted light is sampled with a lower
+  /// probability: none, unoccluded light of an emitter, or light scattered by surfaces into shadows.
   enum class Beside : std::uint8_t { nothing, direct, surfaces };
 
-  /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the
-  /// direction to the edge; black where there is none. `left`: about the part of the path's weight that is
-  /// left there, which is the probability of looking.
+  /// Returns the light of an emitter that reaches `from` around one edge, scattered there by respond(d) ->
+  /// Spectrum, with d the direction to the edge; black where there is none. `left` is approximately the
+  /// path's relative throughput, the probability of sampling this light.
   template <class Respond>
   Spectrum from_light(const Place& from, Beside beside, float left, const Respond& respond) {
     LampEnd lamp;
@@ -122,8 +123,8 @@ public:
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
-  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at
-  /// `film`; `is_seen`: the sensor sees that place without going around an edge.
+  /// Returns the sensor's response to light that leaves `from` with respond(d) and is diffracted by one edge,
+  /// seen at `film`. `is_seen`: the sensor also sees `from` directly.
   template <class Respond>
   Spectrum to_sensor(const Place& from, bool is_seen, float left, Vec2 lens, const Respond& respond,
                      Vec2& film) {
@@ -139,12 +140,12 @@ public:
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
   }
-  /// The sensor's response to light of a lamp around one edge. Looked at seldom where the sensor does not see
-  /// an edge that is chosen by chance.
+  /// Returns the sensor's response to light of an emitter that is diffracted by one edge. Russian roulette
+  /// lowers the number of samples where the sensor does not see a randomly chosen edge.
   Spectrum from_light_to_sensor(Vec2 lens, Vec2& film);
 
-  /// Goes from a place to an edge: false where that is not seen. `value` is multiplied by what arrives there
-  /// over the density.
+  /// Continues a path from a vertex to an edge; false where the edge is occluded. `value` is multiplied by
+  /// the arriving light over the pdf.
   template <class Respond>
   bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out,
             const MeshEdge* leaving = nullptr) {
@@ -157,17 +158,18 @@ public:
     value *= respond(d) * geometry;
     return !is_black(value) && arrive(from, *point, d, false, value, out);
   }
-  /// The same from a vertex that is left for an edge with that probability.
+  /// Continues a path from a vertex that it leaves for an edge with the given probability, otherwise as
+  /// above.
   bool walk(const Vertex& vertex, const RayState& state, float probability, Spectrum& value, AtEdge& out) {
     value = 1 / probability;
     return walk(
         at_vertex(vertex, state), [&](const Vec3& d) { return response(vertex, d); }, value, out);
   }
-  /// From an edge, which a path has come to with the factor `value`, perhaps by way of other edges, into a
-  /// direction: `density`, `state` and `after` become those of the path behind it. `scattered` counts the
-  /// path's vertices, one for each edge; reaches(n): paths of n edges count (called before each step, so that it may limit
-  /// crossings); see(at, value) connects every
-  /// edge with the path's far end. False where the path ends.
+  /// Continues a path from an edge, which it has reached with the factor `value`, possibly by way of other
+  /// edges, into a direction. `density`, `state` and `after` become those of the path behind the edge.
+  /// `scattered` counts the path's vertices, one for each edge. reaches(n) returns whether paths of n edges
+  /// count; it is called before each step, so that it may limit crossings. see(at, value) connects every edge
+  /// with the path's far endpoint. Returns false where the path ends.
   template <class Density, class Reaches, class See>
   bool leave(AtEdge at, Spectrum value, int& scattered, const Reaches& reaches, const See& see,
              Density& density, RayState& state, AfterEdge& after) {
@@ -196,104 +198,106 @@ public:
     ++scattered;
     return true;
   }
-  /// The first edge of a path from the sensor, seen at `film`.
+  /// Samples the first edge of a path from the sensor, seen at `film`.
   bool begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film);
-  /// The same from a lamp.
+  /// Samples the first edge of a path from a light.
   bool begin_at_light(Spectrum& value, AtEdge& out);
 
-  /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path
-  /// ends.
+  /// Samples a direction behind the edge; `value` is multiplied by the kernel over the pdf. Returns false
+  /// where the path ends.
   bool scatter(const AtEdge& at, Spectrum& value, Vec3& d, float& pdf);
   float scatter_pdf(const AtEdge& at, const Vec3& d) const {
     return edges_.scatter_pdf(at.point, at.d, d, beams_);
   }
 
-  /// Drawn by numbers of its own.
+  /// Returns an estimate of the edge's kernel, with random numbers of the path.
   Spectrum kernel(const AtEdge& at, const Vec3& d) { return kernel(at.point, at.d, d); }
-  /// K between an edge that a path has come to and a vertex of another one, `distance` from it; 0 where the
-  /// vertex lies in the edge's beam.
+  /// Returns K between an edge that a path has reached and a vertex of another path, at `distance` from the
+  /// edge; 0 where the vertex lies in the edge's beam.
   Spectrum kernel_to(const AtEdge& at, const Vec3& d, const Vertex& vertex, float distance) {
-    if (vertex.is_passable()) return kernel(at, d);  // as where a path meets it: `AfterEdge` holds on
+    // as for a path that hits a null surface, behind which `AfterEdge` remains set
+    if (vertex.is_passable()) return kernel(at, d);
     const Spectrum far = SceneEdges::far_enough(distance, false, beams_);
     return is_black(far) ? far : far * kernel(at, d);
   }
   Vec2 next2() { return {random_.next(), random_.next()}; }
 
 private:
-  /// A part of a light with the numbers that choose a point of it, and about where that is.
+  /// A part of a light, the random numbers that choose a point on it, and its approximate position.
   struct LampEnd {
     const Light* light;
     std::size_t part;
     float probability;
     Vec2 u;
-    float per_distance;  ///< one over that from edges
-    const float* lit;    ///< LitEdges
-    PathEnd guide{};     ///< see `find_guide`
+    float per_distance;  ///< bound of the inverse distance between the light and edges
+    const float* lit;    ///< table LitEdges of the light, or null
+    PathEnd guide{};     ///< approximate position, set by `find_guide`
   };
   Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
     return edges_.kernel(point, d_i, d_o, beams_, next2());
   }
-  /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are
-  /// small enough.
+  /// Geometry factor 1/r^2 between a vertex and an edge, over the pdf of the edge's point. It is zero at
+  /// wavelengths whose beams are too wide for the distance.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
-  /// 0 where it ends a path, else one over the probability that it does not.
+  /// Russian roulette: returns 0 where it ends a path, else one over the survival probability.
   float roulette(float probability) {
     return probability == 1 || random_.next() < probability ? 1 / probability : 0;
   }
-  /// Roulette that decides whether a path goes on to edges that it has chosen: always where they send no less
-  /// than a part of the other light, else in proportion to what they send.
+  /// Russian roulette for paths to edges that have been chosen: survival is certain where the edges send at
+  /// least a certain fraction of the other light, else it is in proportion to that fraction.
   float looked_at(const SceneEdges::EdgesBetween& edges, Beside beside) {
     if (beside == Beside::nothing) return 1;
-    // Over direct light; that by way of surfaces has more noise.
+    // Fraction of the other light, where direct light has a lower threshold than light scattered by surfaces,
+    // which has more noise.
     const float much = beside == Beside::direct ? 0.002f : 4 * scene_.diffraction()->light_in_shadows(),
                 least = beside == Beside::direct ? 0.25f : 0.125f;
     return much > 0 ? roulette(std::clamp(edges.part_of_direct / much, least, 1.f)) : 1;
   }
-  /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths
-  /// add little.
+  /// Russian roulette on relative throughput, survival at least 5 %: every visibility test costs the same.
   float looked_at(float left) {
     constexpr float kLeast = 0.05f;
     return roulette(std::clamp(left, kLeast, 1.f));
   }
-  /// The same before an edge is chosen: where all edges together send little, wherever they are, most looks
-  /// end here; not as many where that may be all the light there is.
+  /// Russian roulette before an edge is chosen: low survival where all edges together can send little light,
+  /// but not as low in shadows, where diffracted light may be the only light.
   float looked_for(const Vec3& from, float end_per_distance, bool is_beside_direct) {
     constexpr float kMuch = 0.01f, kLeast = 1 / 64.f, kLeastInShadow = 1 / 8.f;
     const float near = SceneEdges::within_reach(beams_) / kMuch;
     const float most = SceneEdges::most_of_direct(edges_.per_distance(from, near), end_per_distance, beams_);
     return roulette(std::clamp(most / kMuch, is_beside_direct ? kLeast : kLeastInShadow, 1.f));
   }
-  /// The same of light that the sensor sees at edges. All that is found adds up on the pixels that they fill,
-  /// so that where these are few a part of the samples finds it with less noise than other light has.
+  /// Russian roulette for light that the sensor sees directly at edges. This light accumulates on the pixels
+  /// that the edges cover; where these are few, a fraction of the samples has less noise than other light.
   float looked_on_film();
-  /// The same of paths that begin at an end of all paths and go to an edge.
+  /// Russian roulette for paths that begin at an endpoint and continue to an edge.
   float begun_from(const Vec3& p) {
     return roulette(std::clamp(64 * edges_.seen_from(p, beams_), 1 / 16.f, 1.f));
   }
-  /// All but its guide.
+  /// Sets all members of `lamp` except its guide.
   bool choose_lamp(LampEnd& lamp);
-  /// About where the lamp is, seen from a place: it guides the choice of an edge. False where there is none.
+  /// Sets the approximate position of the light as seen from a point, which guides the choice of an edge.
+  /// Returns false where there is none.
   bool find_guide(const Vec3& seen_from, LampEnd& lamp) const;
-  /// Of an edge that is chosen by chance whether the sensor looks there.
+  /// Whether the sensor sees a randomly chosen edge.
   bool sees_some_edge(const Vec3& eye, Vec2 lens);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
-  /// A place on an edge, after roulette (`looked_at`), by whose probability `whole` is divided. `lit`: of the
-  /// end that is a lamp, or null.
+  /// Samples a point on an edge, after Russian roulette (`looked_at`), by whose survival probability `whole`
+  /// is divided. `lit` is the table of the endpoint that is a light, or null.
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit, Beside beside,
                                           float& whole);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
-  /// The part of the light that goes straight from a place to an edge, black where something is in the way.
-  /// `end` receives the flight there, in scenes with media.
+  /// Returns the transmittance from a vertex to an edge, black where the segment is occluded. `end` receives
+  /// the ray state at the edge, in scenes with media.
   Spectrum passed_to_edge(const RayOrigin& from, LightWay::End from_end, const EdgePoint& point,
                           const RayState& surroundings, bool through_emitters, std::uint32_t key,
                           RayState* end, int& crossings_left) const;
-  /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at
+  /// Returns the transmittance from a vertex to an edge and from there to `to`, which is `end` or at
   /// infinity.
   Spectrum through(const EdgePoint& point, const RayOrigin& from, LightWay::End from_end,
                    const RayState& surroundings, bool through_emitters, const PathEnd& to,
                    const RayOrigin* end, bool end_through_emitters);
-  /// Light of the lamp that arrives at the edge along -wo, over the density of its choice.
+  /// Returns the light of an emitter that arrives at the edge along -wo, over the pdf of the sampled point.
   Spectrum lit(const EdgePoint& point, const LampEnd& lamp, RayOrigin& start, Vec3& wo, bool& infinite) const;
   bool arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
               Spectrum& value, AtEdge& out);
