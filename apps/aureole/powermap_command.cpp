@@ -254,8 +254,8 @@ LoadedScene load_map(const Arguments& a) {
       if (given) throw Error(std::string(option) + ": is for maps by --plane");
     return load_scene(a.scene, load);
   }
-  load.fallback_integrator =
-      "ptracer";  // light tracing finds light of a point that arrives by way of mirrors
+  // light tracing finds light of a point that arrives by way of mirrors
+  load.fallback_integrator = "ptracer";
   load.radio_materials = true;
   load.defines.emplace_back(kSceneFile, std::filesystem::path(a.scene).filename().string());
   return load_scene_from_string(scene_with_plane(a), std::filesystem::path(a.scene).parent_path() / "--plane",

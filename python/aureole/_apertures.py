@@ -157,8 +157,8 @@ def mask(open: npt.ArrayLike, pixel_size: float, *, centroid: bool = True) -> Ap
 
     Notes
     -----
-    Up to |q_x|, |q_y| < pi/pixel_size the transform is that of the shape, to 1e-4 of the area; beyond, that of the
-    squares.
+    Up to |q_x|, |q_y| < pi/pixel_size the transform is the shape's, to 1e-4 of the area; beyond, it is the transform
+    of the square pixels.
 
     Examples
     --------

@@ -139,7 +139,7 @@ class StructureFactor:
         Parameters
         ----------
         area_fraction : float
-            In [0, 0.68]. Below 0.03 it is that of theory.
+            In [0, 0.68]. Below 0.03 the theoretical correlation is returned.
         discs : int
             In each simulation, 200 to 5000.
         snapshots : int

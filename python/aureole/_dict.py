@@ -25,7 +25,8 @@ _ENTITIES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"
 
 
 def quoteattr(text: str) -> str:
-    """The value of an attribute of XML, in quotes. (`xml.sax.saxutils` has such a function, but takes as long to import as all of this package.)"""
+    """Returns the value of an XML attribute, in quotes. (`xml.sax.saxutils` has such a function, but takes as long to
+    import as all of this package.)"""
     return f'"{text.translate(_ENTITIES)}"'
 
 
@@ -283,7 +284,8 @@ class Writer:
 
 
 def other_families(kind: Any) -> List[str]:
-    """Returns the families that have a plug-in of that type, the preferred one first, where a single dict does not state its family; else nothing."""
+    """Returns the families that have a plug-in of this type, the preferred one first, if there are several; else
+    nothing. For messages about a dict that does not state its family."""
     found = [family for family in families() if (family, kind) in plugins()] if isinstance(kind, str) else []
     return sorted(found, key=_preference) if len(found) > 1 else []
 

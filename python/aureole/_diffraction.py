@@ -156,13 +156,14 @@ def point_source_distance(s_i: npt.ArrayLike, s: npt.ArrayLike, sin_beta: npt.Ar
 
 
 def plane_wave_spreading(s: npt.ArrayLike) -> Reals:
-    """Returns the spreading factor of a plane wave, 1/sqrt(s): diffracted field at the distance s from the edge, over the field at the edge and D."""
+    """Returns the spreading factor of a plane wave, 1/sqrt(s). The diffracted field at the distance s from the edge is
+    the field at the edge times D times this factor."""
     return of_rows(_aureole.plane_wave_spreading, s=real("s", s, positive=True))  # type: ignore[no-any-return]
 
 
 def point_source_spreading(s_i: npt.ArrayLike, s: npt.ArrayLike) -> Reals:
-    """Returns the spreading factor, the diffracted field at the distance s from the edge over the field at the edge and D, of a wave from a point s_i before it:
-    sqrt(s_i/(s (s + s_i))), in 1/sqrt(length)."""
+    """Returns the spreading factor of a wave from a point at the distance s_i from the edge, sqrt(s_i/(s (s + s_i))) in
+    1/sqrt(length). The diffracted field at the distance s is the field at the edge times D times this factor."""
     return of_rows(_aureole.point_source_spreading, s_i=real("s_i", s_i, positive=True), s=real("s", s, positive=True))  # type: ignore[no-any-return]
 
 

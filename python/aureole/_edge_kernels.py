@@ -16,8 +16,8 @@ Reals = npt.NDArray[np.float64]
 
 
 def mean_edge_kernel(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, q: npt.ArrayLike, k: float, sigma: float) -> Reals:
-    """Intensity per length of edge and steradian that points of an edge scatter from uniform light of irradiance 1, whose
-    coherence is that of Gaussian beams with centres everywhere, exp(-r^2/(8 sigma^2)).
+    """Intensity per length of edge and steradian that points of an edge scatter from uniform light of irradiance 1. The
+    light consists of Gaussian beams with centres everywhere; its coherence is exp(-r^2/(8 sigma^2)).
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Paints by Kubelka and Munk: K and S from measurements, mixtures, recipes for a colour (docs/pigments.md).
 
-Reflectances are fractions. "Inner" ones are those of the pigmented layer within its binder, "outer" ones what an
-instrument sees through the interface to air. Wavelengths are in nm. Functions of numbers broadcast as numpy does.
+Reflectances are fractions. "Inner" reflectances belong to the pigmented layer within its binder, "outer"
+reflectances are measured through the interface to air. Wavelengths are in nm. Functions of numbers broadcast as numpy does.
 """
 from __future__ import annotations
 
@@ -299,7 +299,7 @@ def lab(nm: npt.ArrayLike, reflectance: npt.ArrayLike, illuminant: str = "D65") 
     """L*, a*, b* of outer reflectances (..., len(nm)) under an illuminant.
 
     `illuminant` is a name of the CIE ("D65", "F11", "LED-B3"), or a file of a measured lamp (wavelength, power), with
-    "/10" for the CIE 1964 observer of 10 degrees; without it the observer is that of 1931.
+    "/10" for the CIE 1964 observer of 10 degrees; without it the CIE 1931 observer is used.
     """
     wavelengths, r = real("nm", nm, positive=True), real("reflectance", reflectance, minimum=0)
     last_axis("reflectance", r, wavelengths.size)
@@ -583,7 +583,8 @@ class Match:
     contrast : float
         Contrast ratio over black and white at the thickness; 1 for opaque layers.
     dosing : dict
-        CIEDE2000 of 1 % too much of a paint; `dosing_error` is that of independent errors of 1 % of all.
+        For each paint the CIEDE2000 if its share is 1 % too large; `dosing_error` is the CIEDE2000 for independent
+        errors of 1 % of all paints.
     """
 
     recipe: Dict[str, float]
@@ -779,13 +780,13 @@ def fit(file: Files, *, white: str = "white", surface: Union[Surface, None] = No
     Parameters
     ----------
     file : str or path, or a sequence of them
-        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Several files make one table. Spreadsheets need the package python-calamine. What reading
-        assumed, such as per cent without a unit, is a warning.
+        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0. Several files make one table. Spreadsheets
+        need the package python-calamine. Assumptions about the file, such as per cent without a unit, are warnings.
     white : str
         The paint that tints are made with.
     surface : Surface, optional
-        What the measurements were seen through; without one it is that of the geometry that the file states (CxF, CGATS), for
-        an index of 1.5, or none.
+        Interface through which the paints were measured. By default it follows from the geometry that the file
+        states (CxF, CGATS), with an index of 1.5; without a stated geometry there is none.
     """
     names = _names(file)
     if surface is None and names == ["kimera"]:

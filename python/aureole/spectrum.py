@@ -88,10 +88,10 @@ def illuminant(name: str, wavelength: npt.ArrayLike, *, normalize: str = "lumina
     wavelength : array_like
         In nm.
     normalize : {"luminance", "table"}
-        As the renderer scales them, to the luminance of a flat spectrum of one (the integral of S ybar is that of
-        ybar), or the published values, which for A and the D series are 100 at 560 nm.
+        "luminance" scales to the luminance of a constant spectrum of 1, as the renderer does: S ybar and ybar have
+        equal integrals. "table" keeps the published values, which for A and the D series are 100 at 560 nm.
     outside : {"error", "zero"}
-        What happens outside of the table, where the renderer takes 0.
+        Whether wavelengths outside of the table raise an error or give 0, as in the renderer.
 
     Returns
     -------

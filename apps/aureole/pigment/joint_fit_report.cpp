@@ -415,8 +415,8 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
             ? candidates.front()
             : *std::min_element(candidates.begin(), candidates.end(),
                                 [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
-    // The written palette is that of two fluxes, which `match`, `hide` and the BSDF use, and which predict
-    // worse with the K and S of streams.
+    // The written palette has the K and S of the two-flux model, which `match`, `hide` and the BSDF use. The K
+    // and S of the model with more streams would make its predictions worse.
     Candidate& written = candidates.front();
     written.fit->with_errors();
     pigment::Palette palette = written.fit->palette();

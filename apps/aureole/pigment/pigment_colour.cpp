@@ -148,10 +148,10 @@ struct Reference {
   SurfaceOptions surface;
 };
 
-/// Reads "FILE#SAMPLE". Its interface is that of its own file, or `samples` where this file states none.
+/// Reads "FILE#SAMPLE". Its interface is the one of its own file, or of `samples` where its file states none.
 /// `given` are the options, and `samples` are the options with the geometry of the file of samples, of which
-/// all or one are evaluated. Repeats are noted unless they are among these samples, and the notes of the file
-/// unless they were printed with those of the samples.
+/// all or one are evaluated. Repeats are noted unless they are among these samples. Notes of the file are printed
+/// unless they were printed with the samples.
 Reference reference_called(const std::string& text, const std::string& option,
                            const std::string& samples_file, const SurfaceOptions& given,
                            const SurfaceOptions& samples, bool samples_are_one) {

@@ -24,7 +24,7 @@ public:
   /// The group's own shapes, without those of nested groups.
   const std::shared_ptr<const ShapeList>& list() const { return list_; }
   const std::vector<Nested>& nested() const { return nested_; }
-  /// Returns how many instances of shape lists one instance of the group adds to the scene.
+  /// Returns the number of instances that one instance of the group adds to the scene, nested groups included.
   double instance_count() const { return instance_count_; }
 
 private:

@@ -275,8 +275,8 @@ private:
   bool discs_, needs_tangent_ = false;
   double phase_nm_;  // 2 pi correlation_radius [nm]: k a times the wavelength
   ScalarTexture area_fraction_, radius_scale_, rotation_;
-  std::shared_ptr<const LayerTables>
-      tables_;  ///< tables, shared by equal layers; null in a scene with errors
+  /// tables, shared by equal layers; null in a scene with errors
+  std::shared_ptr<const LayerTables> tables_;
   std::shared_ptr<const ScattererModel> model_;
   std::shared_ptr<const ScattererSampler> sampler_;  // sampler of the diffracted wave; null: cosine sampling
   std::optional<ScattererBalance> balance_;

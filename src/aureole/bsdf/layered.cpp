@@ -4,8 +4,9 @@
 // (optics/stack), and tabulated (stack/stack_table.h).
 //
 // Lobes. Light that smooth interfaces reflect and refract without scattering in a layer is in delta lobes.
-// Everything else is one lobe, sampled in proportion to its value. Energy equals that of the solution for
-// each direction and wavelength, whichever wavelength is the hero. The BSDF is reciprocal, f/n_o^2.
+// Everything else is one lobe, sampled in proportion to its value. The reflected and the transmitted
+// fraction equal the solution's for each direction and wavelength, whichever wavelength is the hero. The BSDF
+// is reciprocal, f/n_o^2.
 #include <cmath>
 #include <optional>
 

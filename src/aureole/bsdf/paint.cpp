@@ -284,8 +284,8 @@ private:
   TexturePtr substrate_;
   std::shared_ptr<const Bsdf> substrate_bsdf_;
   std::optional<Roughness> roughness_;  // roughness of the interface; empty: smooth
-  std::shared_ptr<const RoughCoating>
-      coating_;               ///< coating of a rough interface; null: the interface is smooth
+  /// coating of a rough interface; null: the interface is smooth
+  std::shared_ptr<const RoughCoating> coating_;
   float eta_ = 1;             // index of the binder over the index outside
   float leaving_ = 1;         // fraction 1 - k2 of diffuse light from inside that leaves
   float seen_diffusely_ = 0;  // k1, the interface's reflectance for diffuse light from outside

@@ -261,8 +261,8 @@ private:
   float eta_;  // relative index of an interface without dispersion
   TexturePtr reflectance_, transmittance_;
   Roughness roughness_;
-  std::shared_ptr<const Multiple>
-      multiple_;  ///< tables of multiple scattering; null: light is scattered once
+  /// tables of multiple scattering; null: light is scattered once
+  std::shared_ptr<const Multiple> multiple_;
   DiffuseLoss loss_;
 };
 

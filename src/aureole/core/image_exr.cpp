@@ -79,8 +79,8 @@ bool is_near(const Imath::V2f& a, const Imath::V2f& b) {
 
 std::string text(const Imath::V2f& v) { return fmt::format("({:.4g}, {:.4g})", v.x, v.y); }
 
-/// Finds the matrix from the file's primaries to sRGB's. As the format and Mitsuba have it, values denote
-/// colours in XYZ: another white point is not adapted.
+/// Sets the matrix from the file's primaries to sRGB. It preserves XYZ, as in Mitsuba and in the definition of the
+/// format: colours are not adapted to another white point.
 void read_chromaticities(const Imf::Header& header, Image& image) {
   if (!Imf::hasChromaticities(header)) return;
   const Imf::Chromaticities stored = Imf::chromaticities(header), srgb;

@@ -24,7 +24,7 @@ namespace {
 
 using Rgbe = std::array<unsigned char, 4>;
 
-/// Primaries of CIE XYZ, whose white is that of equal energy.
+/// Primaries of CIE XYZ, with the white point of an equal-energy spectrum.
 constexpr Primaries kXyz = {1, 0, 0, 1, 0, 0, 1 / 3., 1 / 3.};
 constexpr double kLumensPerWatt = 179;  ///< Radiance's efficacy of white, the unit of XYZE over that of RGBE
 
@@ -106,7 +106,7 @@ std::array<double, N> numbers(std::string_view name, std::string_view text) {
   return r;
 }
 
-/// Reads "-Y 480 +X 640" or another of the eight orders: the first axis is that of the lines.
+/// Reads "-Y 480 +X 640" or another of the eight orders: the first axis counts lines, the second pixels of a line.
 void read_resolution(std::string_view line, Header& h) {
   const auto fail = [&] {
     throw Error(

@@ -78,7 +78,7 @@ struct Layout {
                 photometric = 0;
 };
 
-/// Unsigned integers are fractions of the largest value; signed ones likewise, so that 0 stays 0.
+/// Converts a stored sample to a float: integers, signed or not, are divided by the largest value of their type.
 float sample_value(const unsigned char* at, const Layout& l) {
   const auto as = [&](auto value) {
     std::memcpy(&value, at, sizeof value);

@@ -249,8 +249,8 @@ OutputLock::OutputLock(const fs::path& file) {
       return;  // no lock, since the file system has none
     }
     if (has_name(descriptor_, path_)) return;
-    ::close(
-        std::exchange(descriptor_, -1));  // the previous holder of the lock has removed the file meanwhile
+    // the previous holder of the lock has removed the file meanwhile
+    ::close(std::exchange(descriptor_, -1));
   }
 }
 

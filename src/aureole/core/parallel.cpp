@@ -88,8 +88,8 @@ void limit_library_threads() {
 
 void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain) {
   if (n > grain) return share_ranges(n, body, grain, default_thread_count(), run_workers);
-  if (n > 0)
-    body(0, n);  // no threads for a small range, such as a small mesh, of which a scene may have many
+  // no threads for a small range, such as a small mesh, of which a scene may have many
+  if (n > 0) body(0, n);
 }
 
 void for_rows(int width, int height, const std::function<void(std::size_t, std::size_t)>& body) {

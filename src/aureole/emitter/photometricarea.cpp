@@ -101,8 +101,8 @@ public:
 
   std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position, Vec2 direction,
                                        const Wavelengths& wavelengths) const override {
-    // Directions are sampled by the cosine, as in `area`: most directions of the file's whole distribution
-    // would leave through a curved shape.
+    // Directions are sampled by the cosine about the normal, as in `area`. The file's distribution covers the
+    // whole sphere: on a curved shape most of its directions would point into the shape.
     return sample_cosine_ray(light, part, position, direction, [&](const auto&, const Vec3& d) {
       return light_->per_candela->eval({}, wavelengths) * luminance(d);
     });

@@ -17,8 +17,8 @@ struct NestedIntegrator {
   std::string name;
   std::shared_ptr<const Integrator> integrator;
   std::vector<std::string> channels;  ///< AOVs of the nested integrator
-  std::vector<std::string>
-      meanings;  ///< descriptions of `channels`, as `Integrator::aov_meanings` gives them
+  /// descriptions of `channels`, as `Integrator::aov_meanings` gives them
+  std::vector<std::string> meanings;
 };
 
 /// All nested integrators, in order; `documented_name` is their row of the parameter table. Throws a located

@@ -40,7 +40,7 @@ inline bool leaves_splats(const std::optional<DiffractionSettings>& settings) {
   return settings && settings->model == DiffractionSettings::Model::beams;
 }
 
-/// Throws an Error where the scene has a medium that emits, since paths around edges cannot start there.
+/// Throws a located Error where the scene has media or shapes that the chosen diffraction model does not support.
 inline void require_no_glowing_media(const Scene& scene, const Integrator& integrator) {
   if (scene.outline_edges() && scene.has_media())
     throw integrator.properties().error(

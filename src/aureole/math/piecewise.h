@@ -46,8 +46,8 @@ private:
   Piecewise1D marginal_;
   int width_ = 0, height_ = 0, guides_ = 0;
   std::vector<float> cdf_;  ///< cumulative distributions: width + 1 values per row, from 0 to 1
-  std::vector<std::uint32_t>
-      guide_;  ///< for each row, the first cell that the search tests, by floor(u guides)
+  /// for each row, the first cell that the search tests, by floor(u guides)
+  std::vector<std::uint32_t> guide_;
 };
 
 }  // namespace aureole

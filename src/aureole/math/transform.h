@@ -15,8 +15,8 @@ inline constexpr double kFarthestPlace = 9e17;
 
 class Transform {
 public:
-  using Matrix =
-      std::array<std::array<double, 4>, 4>;  ///< rows of the matrix, which multiplies column vectors
+  /// rows of the matrix, which multiplies column vectors
+  using Matrix = std::array<std::array<double, 4>, 4>;
 
   Transform();  ///< identity
   explicit Transform(const Matrix& m) : m_(m) {}

@@ -24,7 +24,8 @@ SampledSpectrum real_index(const Properties& p, std::string_view name, const std
       grid, [&](double nm) { return double(ior.eval(Wavelengths::at(grid, float(nm)))[0]); });
 }
 
-/// Returns the index of a pigment or filler; empty if there is none or another table has this name.
+/// Returns the index of a pigment or filler whose name the parameter has; empty for other names, and for names that
+/// `find_refractive_index` knows.
 std::optional<std::function<std::complex<double>(double)>> grain_index(const Properties& p,
                                                                        std::string_view name, bool has_k) {
   const Properties::Entry* e = p.find(name);

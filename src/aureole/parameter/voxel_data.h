@@ -17,7 +17,8 @@ struct VoxelData {
   int channels = 1;                      ///< numbers per voxel
   std::array<double, 3> lower{0, 0, 0};  ///< the box that the voxels fill, in the file's coordinates
   std::array<double, 3> upper{1, 1, 1};
-  std::vector<float> values;  ///< a voxel's channels are contiguous, then x, then y, then z
+  /// channels of a voxel are contiguous; of the voxel indices x varies fastest, z slowest
+  std::vector<float> values;
 
   std::size_t voxel(int x, int y, int z) const {
     return ((std::size_t(z) * std::size_t(size[1]) + std::size_t(y)) * std::size_t(size[0]) +

@@ -68,7 +68,7 @@ public:
     FilmValue film;
     std::vector<double> k, s;  ///< derivatives of ln K and ln S of the layer by ln K, ln S of each part
     std::vector<double>
-        g;  ///< derivatives of the layer's `g_shift` by that of each part; empty without `has_g`
+        g;  ///< derivatives of the layer's `g_shift` by each part's `g_shift`; empty without `has_g`
   };
 
   Local evaluate(const Specimen& specimen, const Row& row, std::size_t l, const ColumnMatrix& chain,

@@ -24,7 +24,7 @@ Coefficients coefficients_of_transfer(LayerTransfer transfer, double thickness) 
   if (r == 0) return {-std::log(t) / thickness, 0};
   // R_inf + 1/R_inf = p/R with p = 1 + R^2 - T^2. Differences are expressed by the absorbed fraction and its
   // square root, which both vanish for K -> 0, so that their quotients have a limit:
-  // p^2 - 4 R^2 = absorbed g^2, p - 2 R = absorbed (1 - R + T).
+  // p^2 - 4 R^2 = absorbed g^2, p - 2 R = absorbed (1 - R + T). gamma = sqrt(K (K + 2 S)), X is the thickness.
   const double root = std::sqrt(std::max(absorbed, 0.0)), rest = 1 - r + t;
   const double g = std::sqrt((1 + r - t) * (1 + r + t) * rest);
   const double p = (1 - t) * (1 + t) + r * r, sum = p + root * g;

@@ -19,7 +19,7 @@ struct Drawdown {
 };
 
 /// Reflectance and transmittance of a layer from drawdowns over two substrates; the substrate of `light`
-/// reflects more than that of `dark`. Throws if the layer hides both, because its transmittance is then
+/// reflects more than the substrate of `dark`. Throws if the layer hides both, because its transmittance is then
 /// undetermined.
 LayerTransfer transfer_of_drawdowns(Drawdown dark, Drawdown light);
 

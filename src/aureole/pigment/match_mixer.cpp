@@ -337,7 +337,7 @@ Shares Mixer::hiding(const Shares& shares, double error) {
       s[i] = std::clamp(shares[i] + t * (opaque_[i] - shares[i]), low_[i], high_[i]);
     return s;
   };
-  // First near the given shares, which often lack very little.
+  // Tries shares near the given ones first, which are often almost a match.
   double low = 0, high = 1;
   for (double t = 1e-6; t < 1 && error < 1e-3; t *= 30)
     if (hides(between(t))) {

@@ -260,8 +260,8 @@ private:
   std::vector<Entry> entries_;
   std::vector<std::string> shown_attributes_;
   mutable std::vector<const ParameterDoc*> queried_;  ///< rows of the plug-in that were queried
-  mutable std::vector<std::string>
-      queried_without_plugin_;  ///< names that were queried, if there is no plug-in
+  /// names that were queried, if there is no plug-in
+  mutable std::vector<std::string> queried_without_plugin_;
   /// State of the constructor that is running with these parameters. A copy starts with an empty state.
   struct Making {
     bool now = false;

@@ -76,8 +76,8 @@ private:
   RenderOptions options_;
   std::shared_ptr<const UnitRenderer> renderer_;
   RenderState state_;
-  std::shared_ptr<const Pilot>
-      pilot_;  ///< samples of the pilot, kept until the units that contain them are rendered
+  /// samples of the pilot, kept until the units that contain them are rendered
+  std::shared_ptr<const Pilot> pilot_;
   std::atomic<std::int64_t> pilot_tiles_left_{0};
   bool wrote_state_ = false;
   std::string checkpoint_problem_;

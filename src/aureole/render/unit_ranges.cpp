@@ -9,8 +9,8 @@ void UnitRanges::insert(const Range& range) {
   if (range.begin >= range.end) return;
   std::int64_t begin = range.begin, end = range.end;
   auto at = ends_.upper_bound(begin);
-  if (at != ends_.begin() && std::prev(at)->second >= begin)
-    --at;  // the previous range contains `begin` or ends there
+  // the previous range contains `begin` or ends there
+  if (at != ends_.begin() && std::prev(at)->second >= begin) --at;
   while (at != ends_.end() && at->first <= end) {
     begin = std::min(begin, at->first), end = std::max(end, at->second);
     count_ -= at->second - at->first;

@@ -42,8 +42,8 @@ public:
   bool sample(const Vec3& from, const Vec3& facing, float u, Vec2 in_cell, float third, Place& out) const;
   /// Returns the pdf [1/length^3] with which `sample` finds the point `p` of this medium.
   float pdf(const Medium& medium, const Vec3& from, const Vec3& facing, const Vec3& p) const;
-  /// Samples a position at which a light path starts, by emitted power alone. The random numbers have the
-  /// meaning of those of `sample`.
+  /// Samples a position at which a light path starts, by emitted power alone. The random numbers are
+  /// used as in `sample`.
   Place sample_by_power(float u, Vec2 in_cell, float third) const;
   /// Returns the inverse size of the medium [1/length], which is approximately the pdf per length with which
   /// a ray through the medium samples emission.

@@ -180,7 +180,7 @@ protected:
   /// Reads the parameters of every sensor: film (default: hdrfilm), sampler (default: sobol), medium, srf and
   /// shutter times. A meter's film must have one pixel and no reconstruction filter, which would weight
   /// samples by their position in the pixel.
-  /// `measured` is the kind of quantity that the film measures; without it the sensor itself calls
+  /// `kind` is the kind of quantity that the film measures; without it the sensor itself calls
   /// `Film::set_measured`.
   void read_common(const Properties& properties, Measures measures = Measures::picture,
                    std::optional<MeasuredKind> kind = MeasuredKind::radiance);

@@ -27,8 +27,8 @@ struct PlacedDisc {
   std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
     const Double3 from = place.local_point(o), along = place.local_vector(d);
     const double t = -from.z / along.z;
-    if (!(t > t_min && t < t_max))
-      return std::nullopt;  // true as well where the ray is parallel to the plane
+    // true as well where the ray is parallel to the plane
+    if (!(t > t_min && t < t_max)) return std::nullopt;
     const double x = from.x + along.x * t, y = from.y + along.y * t;
     return x * x + y * y <= 1 ? std::optional<double>(t) : std::nullopt;
   }

@@ -38,8 +38,8 @@ public:
   Inflater& operator=(const Inflater&) = delete;
 
   void read(void* to, std::size_t bytes) {
-    constexpr std::size_t kPiece = std::size_t(1)
-                                   << 30;  // upper bound of a step, since zlib counts in 32 bits
+    // upper bound of a step, since zlib counts in 32 bits
+    constexpr std::size_t kPiece = std::size_t(1) << 30;
     auto* out = static_cast<Bytef*>(to);
     while (bytes > 0) {
       if (stream_.avail_in == 0) {

@@ -102,7 +102,7 @@ struct BasicConnection : TestSegment {
 using Connection = BasicConnection<Unpolarised>;
 
 /// Advances a segment to the distance `t` along its ray and attenuates it by the medium that the ray is in.
-/// `emission` is that of `transmittance`.
+/// `emission` has the meaning of the parameter of `transmittance`.
 void travel(TestSegment& segment, float t, const Wavelengths& w, SegmentEmission* emission = nullptr);
 
 /// Processes a surface that a segment has hit: returns `crossed`, `blocked`, or `escape` where the segment's

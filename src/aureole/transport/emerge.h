@@ -17,7 +17,7 @@
 namespace aureole {
 
 struct Emergence {
-  SurfacePoint point;  ///< exit on the surface of the same shape as the entry
+  SurfacePoint point;  ///< exit point; its surface is `exit` of the surface of entry
   Spectrum value;      ///< value P of the BSSRDF [1/length^2]
   Spectrum pdf;        ///< pdf per area of the shape, per wavelength [1/length^2]
   /// probability of choosing this point among the hits of the probe ray, the same for all wavelengths

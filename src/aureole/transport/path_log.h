@@ -25,8 +25,8 @@ struct PathEvent {
     escape,      ///< the ray leaves the scene along `d`
     emission,    ///< emission found by hitting a light at `p`, or in the direction `d`
     connection,  ///< a connection with a light at `p` (infinite: along `d`) or with a vertex of a light path
-    sensor,      ///< light of another kind, which `text` describes
-    other,       ///< further light, which `text` describes
+    sensor,      ///< a connection with the sensor at `p`, at the film position `film`
+    other,       ///< light of another kind, which `text` describes
   };
 
   Kind kind;

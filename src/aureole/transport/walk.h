@@ -246,8 +246,8 @@ private:
           .in_medium = s.segment.medium});
   }
 
-  std::vector<Contact>
-      contacts_;    ///< contacts at the vertices of the paths, in scenes with surfaces that touch
+  /// contacts at the vertices of the paths, in scenes with surfaces that touch
+  std::vector<Contact> contacts_;
   PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
   EdgeWalk edges_;
 };

@@ -224,8 +224,8 @@ private:
     set(Colors(grid.size, repeats(), color, [](auto&&...) { return std::optional<UpsampledColor>(); }));
   }
 
-  std::atomic<std::shared_ptr<const ScalarGrid>>
-      stored_;  ///< grid of one number at each voxel, as stored in the file
+  /// grid of one number at each voxel, as stored in the file
+  std::atomic<std::shared_ptr<const ScalarGrid>> stored_;
 };
 
 std::vector<ParameterDoc> rows() {

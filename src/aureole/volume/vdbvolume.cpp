@@ -83,8 +83,10 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMaxBlocks = std::size_t(1) << 24;  ///< up to 2048^3 voxels
-  static constexpr std::int32_t kBackground = -1;                  // smaller numbers are tiles
+  /// upper bound of the number of blocks: 2048^3 voxels
+  static constexpr std::size_t kMaxBlocks = std::size_t(1) << 24;
+  /// index for a block of background; smaller numbers are tiles
+  static constexpr std::int32_t kBackground = -1;
 
   static int floor_block(int i) { return i >> 3; }
   std::array<int, 3> coordinates(const std::array<int, 3>& c) const {
@@ -118,7 +120,7 @@ Transform box_of(const Properties& p, const SparseVoxels& voxels) {
   std::array<double, 3> size, corner;
   for (std::size_t i = 0; i < 3; ++i) {
     size[i] = double(voxels.upper[i]) - voxels.lower[i] + 3;
-    corner[i] = voxels.lower[i] - 1.5;  // of the surrounding voxel
+    corner[i] = voxels.lower[i] - 1.5;  // lower corner of the box with a margin of one voxel
   }
   return Transform::scale(1 / size[0], 1 / size[1], 1 / size[2]) *
          Transform::translate(-corner[0], -corner[1], -corner[2]) * to_space.inverse() *

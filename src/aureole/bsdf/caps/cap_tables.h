@@ -102,8 +102,8 @@ private:
   double phase_nm_, first_, scale_;  ///< the node of a wavelength is (1/nm - first) scale
   optics::RadialFunction structure_;
   optics::PhaseScatterer scatterer_;
-  std::vector<optics::RadialDistribution>
-      waves_;                     ///< radial distributions of u, one for each wavelength node
+  /// radial distributions of u, one for each wavelength node
+  std::vector<optics::RadialDistribution> waves_;
   std::vector<float> passing_;    ///< fraction that passes undiffracted, by [node][side][cosine]
   std::vector<float> reduction_;  ///< the factor s of a direction, [node][side][cosine]
   std::vector<float> mean_back_;  ///< mean <L>, by [node][side]

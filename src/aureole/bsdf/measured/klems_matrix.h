@@ -40,8 +40,8 @@ private:
 struct KlemsMatrix {
   KlemsPatches incident, outgoing;
   bool is_coloured = false;
-  std::vector<float>
-      values;  ///< values by incident patch, outgoing patch, and channel (linear sRGB) if there are three
+  /// values by incident patch, outgoing patch, and channel (linear sRGB) if there are three
+  std::vector<float> values;
 
   bool empty() const { return values.empty(); }
   /// f for the patches of two directions with positive z; zero outside of the bases.

@@ -20,7 +20,7 @@ namespace aureole {
 /// exchanged in a table that is not quite reciprocal.
 inline constexpr float kSheetCosinePart = 0.05f;
 
-/// `Sheet` answers for directions that are mirrored to positive z. Side 0 is that of +z.
+/// `Sheet` answers for directions that are mirrored to positive z. Side 0 faces +z.
 ///   f(side, transmitted, i, o)             scattering of light from i on that side, three channels [1/sr]
 ///   pdf(side, transmitted, i, o)           [1/sr] of `sample`
 ///   sample(side, i, u1, u2, transmitted)   a direction distributed as f cos(theta_o), or nothing

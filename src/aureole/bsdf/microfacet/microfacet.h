@@ -88,7 +88,7 @@ public:
     const float x = alpha_u_ * v.x, y = alpha_v_ * v.y, r2 = x * x + y * y;
     if (type_ == NormalDistribution::ggx) return 2 / (v.z + std::sqrt(v.z * v.z + r2));
     const float r = std::sqrt(r2);
-    if (v.z > 3.5f * r) return 1 / v.z;  // below this ratio, masking changes the result by less than 2e-8
+    if (v.z > 3.5f * r) return 1 / v.z;  // masking is below 2e-8 here
     const float a = v.z / r, e = std::exp(-a * a);
     constexpr float kRootPi = 1.77245385f;
     return 2 * kRootPi / (kRootPi * v.z * (2 - erfc_over_exp(a) * e) + r * e);

@@ -33,8 +33,8 @@ struct CheckOptions {
   double min_nm = 0, max_nm = 0;  ///< wavelength range; both zero: the whole tabulated range
   std::size_t samples = 300000;   ///< number of samples for each of 6 directions and 2 hero wavelengths
   double tolerance = 2e-3;        ///< tolerance of energies and masses computed by quadrature
-  double bin_tolerance =
-      1e-6;  ///< tolerance of the integrals over one bin, which is divided until they change by less
+  /// tolerance of the integrals over one bin, which is divided until they change by less
+  double bin_tolerance = 1e-6;
   /// The `bin_tolerance` for fewer than the usual 300,000 samples, proportional to their statistical noise
   /// per bin.
   static double bin_tolerance_for(std::size_t samples) {

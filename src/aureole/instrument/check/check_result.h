@@ -79,8 +79,8 @@ struct CheckResult {
   bool black_below = false;    ///< whether nothing is scattered from below, as measured
 
   bool passed() const;
-  std::vector<std::string> problems()
-      const;  ///< Returns sentences about the failed tests; empty if all tests passed.
+  /// Returns sentences about the failed tests; empty if all tests passed.
+  std::vector<std::string> problems() const;
 };
 
 }  // namespace aureole

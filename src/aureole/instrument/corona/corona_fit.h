@@ -96,8 +96,9 @@ private:
   double radius_ = 0, tabulated_ = -1, step_u_ = 0;
   std::vector<Size> sizes_;  ///< sizes of the scatterers; empty for scatterers of one size
   std::optional<optics::HardDiscMixture> mixture_;
-  std::vector<double> g_;                    ///< J at steps of u, up to a constant factor
-  std::vector<optics::HardDiscWave> waves_;  ///< Fourier amplitudes at the steps of u, for any area fraction
+  std::vector<double> g_;  ///< J at steps of u, up to a constant factor
+  /// at the steps of u, for the structure factor at any area fraction
+  std::vector<optics::HardDiscWave> waves_;
   Table sharp_, blurred_;
 };
 

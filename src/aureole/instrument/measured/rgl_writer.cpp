@@ -59,7 +59,7 @@ RglFile make_rgl_file(const ScatteringProbe& probe, const RglWriterSettings& s) 
   const bool is_isotropic = s.azimuths == 1;
   const NormalGrid grid(s.normals, s.normals / (is_isotropic ? 4 : 2) + 1);
   const std::size_t width = std::size_t(grid.width), height = std::size_t(grid.height);
-  // f(m, m) of retro-reflection at each normal m.
+  // Retro-reflection f(m, m) cos(theta_m) at each normal m.
   std::vector<double> retro(grid.size());
   for_ranges(
       grid.size(),

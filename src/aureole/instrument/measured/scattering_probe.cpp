@@ -112,8 +112,8 @@ ScatteringReport examine(const ScatteringProbe& probe) {
   r.transmits = has(lobes, Lobe::transmit) || has(lobes, Lobe::null);
   for (const double angle : {0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0})
     r.energies.push_back(energy_at(probe, angle, r.refracts));
-  std::vector<std::pair<double, double>>
-      found;  // for each pair of directions, the sum of f over both orders and its difference
+  // for each pair of directions, the sum of f over both orders and its difference
+  std::vector<std::pair<double, double>> found;
   double weights = 0, faults = 0, largest = 0;
   for (std::size_t k = 0; k < kPairs; ++k) {
     const Vec3 wi = square_to_cosine_hemisphere(recurrent_point(k));

@@ -35,8 +35,8 @@ private:
   std::shared_ptr<const Bsdf> bsdf_;
   SpectralGrid grid_;
   std::vector<double> nm_;
-  std::vector<Wavelengths>
-      sets_;  ///< sets of kWavelengths wavelengths each; the last one repeats its last wavelength
+  /// sets of kWavelengths wavelengths each; the last one repeats its last wavelength
+  std::vector<Wavelengths> sets_;
   SurfacePoint point_;
   bool make_reciprocal_;
 };

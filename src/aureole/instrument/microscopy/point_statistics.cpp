@@ -86,8 +86,8 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
     for (size_t i = 0; i < r.size(); ++i) {
       yy += weight[i] * g[i] * g[i];
       const double x = (r[i] - d) * inverse;
-      if (x < -6)
-        continue;  // below x = -6 the step is below 1e-16, and beyond x = 6 it is 1 to that precision
+      // below x = -6 the step is below 1e-16, and beyond x = 6 it is 1 to that precision
+      if (x < -6) continue;
       const double step = x > 6 ? 1 : 0.5 * std::erfc(-x);
       const double e = r[i] > d ? step * std::exp((d - r[i]) / l) : step;
       const double weighted_step = weight[i] * step, weighted_e = weight[i] * e;

@@ -26,8 +26,9 @@ Viewing viewing_of(const std::string& name);
 std::string viewed_at(const std::string& illuminant, const std::string& degrees);
 
 /// Returns the observer under an illuminant: a name of `illuminant_names`, or a file of a measured lamp with two
-/// columns, wavelength and power; followed by "/10" for the CIE 1964 observer, or by "/2" or nothing for that of
-/// 1931. Throws Error if there is none, with the nearest name, and if the wavelengths do not cover the visible range.
+/// columns, wavelength and power; followed by "/10" for the CIE 1964 observer, or by "/2" or nothing for the CIE 1931
+/// observer. Throws Error if there is none, with the nearest name, and if the wavelengths do not cover the
+/// visible range.
 pigment::Observation observe(const std::string& illuminant, std::span<const double> nm);
 
 /// Error of colours that were measured at few wavelengths, from CIEDE2000 differences of the 13 measured

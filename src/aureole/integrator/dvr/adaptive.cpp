@@ -78,8 +78,8 @@ VolumeResult VolumeMarch::adapt() {
         ++result.lookups;
       }
     };
-    // The mean of a parabola through three numbers differs from that of its chords by a twelfth of the second difference.
-    // Both ends of a half are moved by that, within the range of the numbers.
+    // The mean of a parabola through three values differs from the mean of its two chords by a twelfth of the
+    // second difference. Both ends of a half are moved by that, within the range of the numbers.
     const auto ends_of = [](const Part& part, float Part::*from, float Part::*to) {
       const float shift = (2 * part.middle - part.first - part.last) * (1.f / 12);
       const auto [low, high] = std::minmax({part.first, part.middle, part.last});

@@ -65,8 +65,8 @@ VolumeResult VolumeMarch::splat() {
   if (std::abs(u[axis]) < kSmallestCosine) axis = nearest_axis(field, ray_.d);
   const int a = (axis + 1) % 3, b = (axis + 2) % 3;
   const float sigma = settings_.kernel_width, reach = kKernelReach * sigma;
-  const float density = 1 / (2 * kPi * sigma * sigma *
-                             scale);  // thickness of a footprint at its centre, as a length in world space
+  // thickness of a footprint at its centre, as a length in world space
+  const float density = 1 / (2 * kPi * sigma * sigma * scale);
   // A footprint is a circle about the ray, and an ellipse in the layer.
   const auto half_of = [&](int k) { return reach * std::hypot(u[axis], u[k]) / std::abs(u[axis]); };
   const float half_a = half_of(a), half_b = half_of(b);
@@ -105,8 +105,8 @@ VolumeResult VolumeMarch::splat() {
   const int count = size[std::size_t(axis)], way = d[axis] > 0 ? 1 : -1;
   for (int k = way > 0 ? 0 : count - 1; k >= 0 && k < count; k += way) {
     const float t = (float(k) - o[axis]) / d[axis];
-    if (t + shift_ < 0 || t > length_ - shift_)
-      continue;  // the sample is behind the sensor, or behind a surface
+    // the sample is behind the sensor, or behind a surface
+    if (t + shift_ < 0 || t > length_ - shift_) continue;
     const Vec3 q = o + d * t;
     const auto first = [](float c, float half) {
       return std::max(0, int(std::ceil(std::max(c - half, -1e6f))));

@@ -18,8 +18,8 @@ struct PathInSpace {
   /// hero's pdf of the walk.
   Spectrum r_equiangular;
   Spectrum emission_share{1.f};  ///< fraction `EmissionSampling::share` of the path
-  BasicPathDensity<L, PathStart::sensor>
-      line_start;                        ///< density of the path at the origin of the line of sight
+  /// density of the path at the origin of the line of sight
+  BasicPathDensity<L, PathStart::sensor> line_start;
   std::optional<Equiangular> positions;  ///< equiangular sampling along the present ray
 };
 struct PathInEmptySpace {};

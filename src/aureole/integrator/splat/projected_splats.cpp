@@ -186,8 +186,8 @@ struct SplatProjector {
         if (settings.opacity_limit > 0)
           k = std::min(k, std::sqrt(2 * std::log(double(f.weight) / double(settings.opacity_limit))));
       } else if (settings.footprint == Footprint::ewa) {
-        f.weight =
-            float(area_ratio);  // height of the convolution of a Gaussian of height 1 with one of area 1
+        // height of the convolution of a Gaussian of height 1 with one of area 1
+        f.weight = float(area_ratio);
       } else {
         f.weight = 1;
         if (settings.footprint == Footprint::disc) k = 1;

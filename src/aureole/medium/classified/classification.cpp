@@ -162,29 +162,29 @@ void Classification::read_classes(const Properties& p) {
     if (p.has(kLabelled[k].name)) parts[k] = parse_parts(p, kLabelled[k].name);
   /// For each parameter, the index of the labelled part that holds for a class; -1: none.
   using Choice = std::array<int, kLabelledCount>;
-  const auto chosen =
-      [&](int label) {  // Returns the class of a label; -1 stands for labels that no part names.
-        Choice choice;
-        bool is_named[3] = {false, false, false};
-        for (std::size_t k = 0; k < kLabelledCount; ++k) {
-          choice[k] = -1;
-          for (std::size_t i = 0; i < parts[k].size(); ++i)
-            if (parts[k][i].names(label)) choice[k] = int(i), is_named[kLabelled[k].group] = true;
-        }
-        const auto plane_is_named = [&] {
-          for (std::size_t k = 0; k < kLabelledCount; ++k)
-            if (choice[k] >= 0 && (kLabelled[k].name == std::string_view("boxes") ||
-                                   kLabelled[k].name == std::string_view("triangles")))
-              return true;
-          return false;
-        };
-        // A function of value and gradient includes its colours.
-        if (plane_is_named()) is_named[kColors] = is_named[kGradients] = true;
-        for (std::size_t k = 0; k < kLabelledCount; ++k)
-          for (std::size_t i = 0; i < parts[k].size() && !is_named[kLabelled[k].group]; ++i)
-            if (parts[k][i].labels.empty()) choice[k] = int(i);
-        return choice;
-      };
+  // Returns the class of a label; -1 stands for labels that no part names.
+  const auto chosen = [&](int label) {
+    Choice choice;
+    bool is_named[3] = {false, false, false};
+    for (std::size_t k = 0; k < kLabelledCount; ++k) {
+      choice[k] = -1;
+      for (std::size_t i = 0; i < parts[k].size(); ++i)
+        if (parts[k][i].names(label)) choice[k] = int(i), is_named[kLabelled[k].group] = true;
+    }
+    const auto plane_is_named = [&] {
+      for (std::size_t k = 0; k < kLabelledCount; ++k)
+        if (choice[k] >= 0 && (kLabelled[k].name == std::string_view("boxes") ||
+                               kLabelled[k].name == std::string_view("triangles")))
+          return true;
+      return false;
+    };
+    // A function of value and gradient includes its colours.
+    if (plane_is_named()) is_named[kColors] = is_named[kGradients] = true;
+    for (std::size_t k = 0; k < kLabelledCount; ++k)
+      for (std::size_t i = 0; i < parts[k].size() && !is_named[kLabelled[k].group]; ++i)
+        if (parts[k][i].labels.empty()) choice[k] = int(i);
+    return choice;
+  };
   std::map<Choice, std::uint8_t> class_of_choice;
   const auto class_of = [&](const Choice& choice, const std::string& label) {
     if (const auto known = class_of_choice.find(choice); known != class_of_choice.end()) return known->second;

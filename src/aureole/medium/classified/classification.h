@@ -68,8 +68,8 @@ private:
   /// The transfer function of a class, of the value alone or of the value and its gradient.
   struct Class {
     std::optional<TransferFunction> function;
-    std::optional<TransferFunction>
-        gradient_factor;  ///< transfer function whose extinction is a factor of opacity or extinction
+    /// transfer function whose extinction is a factor of opacity or extinction
+    std::optional<TransferFunction> gradient_factor;
     std::optional<TransferPlane> plane;
     bool gives_extinction = false;
 

@@ -30,8 +30,8 @@ public:
   }
 
 private:
-  std::vector<std::vector<float>>
-      levels_;  ///< level k holds, for each index, the maximum of the 2^k numbers from there on
+  /// level k holds, for each index, the maximum of the 2^k numbers from there on
+  std::vector<std::vector<float>> levels_;
 };
 
 }  // namespace aureole

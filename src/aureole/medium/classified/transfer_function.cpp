@@ -23,8 +23,8 @@ constexpr double kMaxOpacity = TransferFunction::kMaxOpacity;
 /// Number of linear pieces that replace a curve between two points where it is not linear.
 constexpr int kPieces = 32;
 
-/// Components of a curve at a value. At a jump they are those of larger values, or with `from_below` of
-/// smaller ones.
+/// Returns the components of a curve at a value. At a jump it is the limit from larger values, or with `from_below`
+/// from smaller values.
 std::array<double, 3> at_value(const Curve& curve, double value, bool from_below) {
   const auto& v = curve.values;
   const auto next =

@@ -54,8 +54,8 @@ public:
   /// A curve of at least one number by value: pairs in ascending order of the first, of which two may be equal.
   struct Curve {
     std::vector<double> values;
-    std::vector<std::array<double, 3>>
-        numbers;  ///< components of the curve at each value; of one component the first is used
+    /// components of the curve at each value; of one component the first is used
+    std::vector<std::array<double, 3>> numbers;
   };
   /// `extinction` [1/length] and `color` (linear sRGB) by value; they are extended by their first and last number.
   TransferFunction(const Curve& extinction, const Curve& color);

@@ -23,8 +23,8 @@ namespace {
 /// The coefficients of a mixture [1/length] and its phase function.
 struct MixtureTables {
   SampledSpectrum extinction, scattering;
-  std::shared_ptr<const TabulatedPhase>
-      phase;  ///< phase function of the mixture; null: the default phase function
+  /// phase function of the mixture; null: the default phase function
+  std::shared_ptr<const TabulatedPhase> phase;
   /// Largest estimated error over the wavelengths of the absorption by particles, relative to that absorption
   /// or to 1e-4 of the extinction, whichever is larger.
   double absorption_error = 0;

@@ -6,7 +6,7 @@
 
 namespace aureole::optics {
 
-/// An ellipse with semi-axes along x and y. Its transform is that of the unit circle with scaled q.
+/// An ellipse with semi-axes along x and y. Its transform is the unit circle's with scaled q.
 class EllipseAperture final : public ApertureShape {
 public:
   /// Makes an ellipse. Throws std::domain_error unless both semi-axes are positive and finite.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// rho (g(r) - 1) is the transform of S - 1 = -C/(1 + C), with C = D + E, A(u) = 2 J1(u)/u and w = Fa/(1 -
-// Fa).
+// rho (g(r) - 1) is the transform of S - 1 = -C/(1 + C), with rho the number density, S the structure factor,
+// -C the transform of rho times the direct correlation function (Rosenfeld 1990), C = D + E, A(u) = 2 J1(u)/u
+// and w = F/(1 - F) for the area fraction F.
 // D = 4 w A(2u) belongs to the step of g at contact; E = 4 w^2 J0(u) A(u) + (w^2 + 2 w^3) A(u)^2 is smaller.
 // In S - 1 = -D - E + D^2 + (2 D E + E^2 - C^3/(1 + C)) the first three terms have transforms in closed form
 // (overlaps of discs and circles). The rest falls as u^-3.5, so its quadrature converges.

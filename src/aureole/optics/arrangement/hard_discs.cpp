@@ -90,8 +90,8 @@ void HardDiscSimulation::place_on_lattice() {
   discs_.x.resize(size_t(n)), discs_.y.resize(size_t(n));
   const std::int64_t sites = std::int64_t(best_columns) * best_rows;
   for (int i = 0; i < n; ++i) {
-    const int site =
-        int(i * sites / n);  // lattice sites are skipped evenly, so that the vacancies are spread
+    // lattice sites are skipped evenly, so that the vacancies are spread
+    const int site = int(i * sites / n);
     const int row = site / best_columns, column = site % best_columns;
     discs_.x[order[size_t(i)]] = (column + 0.5 * (row % 2) + 0.25) * box / best_columns;
     discs_.y[order[size_t(i)]] = (row + 0.5) * box / best_rows;

@@ -85,7 +85,7 @@ std::span<const MilkComponents> milk_components() { return kMilk; }
 
 double milk_fat_radius(double fat, double pressure) {
   // Fits of Frisvad, Christensen & Jensen 2007 to measured means, in um, at 0 and 50 MPa. Between them the
-  // mean is a power of the pressure, which is that of raw milk at 1 MPa; less pressure changes nothing.
+  // mean is a power of the pressure, and equals the mean of raw milk up to 1 MPa.
   const double raw =
       fat < 2 ? -0.2528033794 * fat * fat + 1.418606759 * fat : 1.456189142 * std::pow(fat, 0.36);
   if (!(pressure > 1)) return raw * 1e-6;

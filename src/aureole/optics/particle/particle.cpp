@@ -49,8 +49,8 @@ private:
   double geometric_, per_steradian_;
 };
 
-/// Returns the fraction of light that a sphere absorbs on its mean chord 4/3 radius (volume over projected area),
-/// times that area. `k` is the mean imaginary part of its index.
+/// Returns the fraction of light that a sphere absorbs along its mean chord, 4/3 radius, times its projected area. `k`
+/// is the mean imaginary part of its index.
 double absorbed_on_mean_chord(double radius, double k, double lambda_nm) {
   const double absorption = 4 * kPi * k / (lambda_nm * 1e-9);  // 1/m
   return -kPi * radius * radius * std::expm1(-absorption * 4 / 3 * radius);

@@ -43,8 +43,8 @@ struct SineWeights {
 
   SineWeights(double a, double b) {
     const double h = b - a;
-    const double whole =
-        2 * std::sin(0.5 * (a + b)) * std::sin(0.5 * h);  // the integral of sin, cos a - cos b
+    // the integral of sin, cos a - cos b
+    const double whole = 2 * std::sin(0.5 * (a + b)) * std::sin(0.5 * h);
     // The integral of (x - a) sin x is sin b - sin a - h cos b.
     double moment = std::sin(b) - std::sin(a) - h * std::cos(b);
     // For short intervals the difference loses digits, and two terms of its series are exact.

@@ -492,8 +492,8 @@ private:
         units.push_back(text.substr(i + 1, end - i - 1));
         i = end + 1;
       }
-      if (field ==
-          std::string_view("units")) {  // a number for each axis, including axes that are not spatial
+      // a number for each axis, including axes that are not spatial
+      if (field == std::string_view("units")) {
         if (units.size() != roles_.size())
           throw Error(fmt::format("has {} units for {} axes", units.size(), roles_.size()));
         std::vector<std::string> kept;

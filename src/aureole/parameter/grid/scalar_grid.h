@@ -86,8 +86,8 @@ struct ScalarGridOptions {
   std::string space;  ///< directions of increasing coordinates that replace the file's: "RAS", "LPS", ...
   /// Distances between voxels for files that state none; an error for files that state them.
   std::optional<std::array<double, 3>> spacing;
-  std::optional<std::array<double, 3>>
-      origin;  ///< centre of the first voxel, for files that state no distances
+  /// centre of the first voxel, for files that state no distances
+  std::optional<std::array<double, 3>> origin;
 };
 
 /// Reads a grid from a file of the formats NRRD, MetaImage, NIfTI, .vti, .npy, TIFF and .vol, recognised by its

@@ -303,8 +303,8 @@ std::string eulumdat_text(const Luminaire& luminaire) {
     if (count < 2) return 0.0;
     const double first = angles[1] - angles[0];
     for (std::size_t i = 1; i < count; ++i)
-      if (std::abs(angles[i] - angles[i - 1] - first) > 1e-6)
-        return 0.0;  // the angles have unequal distances
+      // the angles have unequal distances
+      if (std::abs(angles[i] - angles[i - 1] - first) > 1e-6) return 0.0;
     return first;
   };
   const auto keyword = [&](const char* name) {

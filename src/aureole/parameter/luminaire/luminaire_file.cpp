@@ -120,8 +120,8 @@ optics::IntensityDistribution make_distribution(const MeasuredTable& table,
 
 void mirror(MeasuredTable& table, double about) {
   const std::size_t rows = table.vertical.size(), columns = table.horizontal.size();
-  std::vector<std::pair<double, std::size_t>>
-      all;  // pairs of an angle and the half-plane that is copied to it
+  // pairs of an angle and the half-plane that is copied to it
+  std::vector<std::pair<double, std::size_t>> all;
   for (std::size_t i = 0; i < columns; ++i) {
     all.emplace_back(table.horizontal[i], i);
     const double image = 2 * about - table.horizontal[i];

@@ -44,8 +44,8 @@ struct LampTilt {
 struct Luminaire {
   enum class Format { ies, eulumdat } format = Format::ies;
   std::string standard;  ///< name of the standard, such as "LM-63-2002" or "EULUMDAT"
-  std::vector<std::pair<std::string, std::string>>
-      keywords;  ///< keywords of LM-63, or lines of text of EULUMDAT
+  /// keywords of LM-63, or lines of text of EULUMDAT
+  std::vector<std::pair<std::string, std::string>> keywords;
   optics::PhotometricType type = optics::PhotometricType::c;
   std::string symmetry;  ///< symmetry in words, for reports
   /// The intensities [cd] with all factors of the file except the factor of a tilt. Symmetric ones are
@@ -62,8 +62,8 @@ struct Luminaire {
   LampTilt tilt{};               ///< factors by the tilt; without angles the flux does not depend on the tilt
   double output_ratio = 0;       ///< stated light output ratio; 0: not stated
   double downward_fraction = 0;  ///< stated fraction of the flux below the horizontal; 0: not stated
-  std::vector<std::string>
-      notes{};  ///< notes for the user on data that were not read as the file states them
+  /// notes for the user on data that were not read as the file states them
+  std::vector<std::string> notes{};
 
   /// Luminous flux of the chosen lamps [lm]; 0: unknown.
   double lamp_flux() const { return is_absolute ? 0 : lamps.at(lamp_set).flux; }

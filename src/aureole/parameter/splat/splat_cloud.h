@@ -59,8 +59,8 @@ struct SplatCloud {
   std::string format;
   std::string axes;                                  ///< the file's own axes, such as "RDF"
   std::vector<std::filesystem::path> further_files;  ///< files with numbers, besides the one that was named
-  std::vector<std::string>
-      notes;  ///< notes on data that have no effect, are repaired or left out, with counts
+  /// notes on data that have no effect, are repaired or left out, with counts
+  std::vector<std::string> notes;
 
   std::size_t size() const { return positions.size(); }
   std::size_t coefficients() const { return std::size_t((degree + 1) * (degree + 1)); }

@@ -50,7 +50,7 @@ public:
 
 /// Corners of a regular polygon circumscribed about the unit circle of the local xy plane. If it is a circle
 /// in the world as well, the first corner lies in a direction that depends on the circle's axis alone, so
-/// that the rim of a disc and that of a cylinder which it closes have the same corners. `pieces` is a
+/// that a disc that closes a cylinder has the same corners as the cylinder's rim. `pieces` is a
 /// multiple of 4.
 inline std::vector<Double3> polygon_around_circle(int pieces, const Placement& place) {
   const Double3 &x = place.axis(0), &y = place.axis(1);

@@ -33,8 +33,8 @@ void RoundView::ends(double distance, double& lower, double& upper) const {
 
 bool RoundView::sample(Vec2 u, Double3& p) const {
   const double angle = half_range_ * (2 * double(u.x) - 1), sine = std::sin(angle), cosine = std::cos(angle);
-  // Distances from the axis of the circle's two points in that direction. The nearer one follows from their
-  // known product, without cancellation.
+  // Across the axis, a ray from the reference point meets the circle at the distances middle - half and
+  // middle + half. The smaller one is computed from their product, without cancellation.
   const double middle = from_axis_ * cosine,
                half = std::sqrt(std::max(0.0, (radius_ - from_axis_ * sine) * (radius_ + from_axis_ * sine)));
   const double product = (from_axis_ - radius_) * (from_axis_ + radius_);

@@ -47,7 +47,7 @@ Spectrum interpolate(const UpsampledColor* v, std::ptrdiff_t sy, std::ptrdiff_t 
 }
 
 /// Wavelength intervals in which the envelope is constant.
-constexpr int kEnvelopeParts = 94;  // 5 nm
+constexpr int kEnvelopeParts = 94;  // intervals of 5 nm
 constexpr float kPartNm = (SigmoidPolynomial::kMaxNm - SigmoidPolynomial::kMinNm) / kEnvelopeParts;
 
 }  // namespace
