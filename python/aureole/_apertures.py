@@ -106,13 +106,13 @@ def polygon(vertices: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = (), *, cen
     holes : sequence of array_like, shape (k, 2)
         Parts inside that are not open; they must not overlap.
     centroid : bool
-        The centroid becomes the origin; otherwise that of the vertices is kept. (An origin elsewhere multiplies the
-        transform by a phase.)
+        The centroid becomes the origin; otherwise the origin of the vertices is kept. (An origin elsewhere multiplies
+        the transform by a phase.)
 
     Notes
     -----
-    At most 10000 vertices; between 1 nm and 1 m in size. The transform is that of Lee & Mittra, "Fourier transform of a
-    polygonal shape function and its application in electromagnetics", 1983, to 1e-12 of the area.
+    At most 10000 vertices; between 1 nm and 1 m in size. The transform follows Lee & Mittra, "Fourier transform of a
+    polygonal shape function and its application in electromagnetics", 1983, with an error of 1e-12 of the area.
 
     Examples
     --------
@@ -148,12 +148,12 @@ def mask(open: npt.ArrayLike, pixel_size: float, *, centroid: bool = True) -> Ap
     ----------
     open : array_like, shape (rows, columns)
         Transmittance of square pixels in [0, 1], or booleans; rows from the top (largest y) downwards. At most 2^25
-        pixels. The border that is 0 does not count; a picture that is still wider or higher than 1024 is averaged over squares of
-        pixels.
+        pixels. A border of zeros is cut off; a picture that is still wider or higher than 1024 is averaged over
+        squares of pixels.
     pixel_size : float
-        Side of a pixel in m; the shape may reach 1 nm to 1 m.
+        Side of a pixel in m; the shape may be 1 nm to 1 m large.
     centroid : bool
-        The centroid becomes the origin; otherwise the centre of the picture.
+        The centroid becomes the origin; otherwise the centre of the picture is the origin.
 
     Notes
     -----

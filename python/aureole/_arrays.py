@@ -22,16 +22,16 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
     value : array_like
         Numbers; booleans, complex numbers, strings and objects are a TypeError.
     minimum, maximum : float, optional
-        Bounds, themselves allowed.
+        Inclusive bounds.
     positive : bool
-        Zero and less are not allowed.
+        Whether the numbers must be above zero.
     unit : str
-        For the message.
+        Unit of the bounds in the message.
 
     Returns
     -------
     numpy.ndarray of float64
-        Without a copy where `value` is one already.
+        `value` itself, not a copy, where it is such an array.
     """
     try:
         array = np.asarray(value)

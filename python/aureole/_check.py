@@ -39,7 +39,7 @@ _ENERGY_ANGLES = (0.0, 10.0, 30.0, 40.0, 50.0, 70.0, 80.0)
 
 @dataclass(frozen=True)
 class CheckRecord:
-    """One thing that was tested, for one direction and wavelength where it depends on them.
+    """Result of one test, for one direction and wavelength where it depends on them.
 
     Attributes
     ----------
@@ -48,19 +48,19 @@ class CheckRecord:
         ``"sample_energy"``, ``"reciprocity"``, ``"modes"``, ``"wavelengths"`` or ``"black"``.
     passed : bool
     figure, expected : float
-        What was measured and what should have been: chi-square and degrees of freedom, frequency and mass of a delta
-        lobe, integral of the density, energy and its bound; else the largest relative deviation, or the number of
-        invalid values, and 0.
+        The measured and the expected number: chi-square and degrees of freedom, frequency and mass of a delta lobe,
+        integral of the density, energy and its bound; else the largest relative deviation, or the number of invalid
+        values, and 0.
     p_value : float or None
-        How probable such a figure is for a right BSDF; None where the test is not a statistical one.
+        Probability of such a figure for a correct BSDF; None where the test is not statistical.
     limit : float
         The least p-value that passes, or else the largest difference between `figure` and `expected`.
     direction : tuple of 3 floats or None
-        The given direction wi; None where many are meant.
+        Direction of incidence wi; None for a test over many directions.
     wavelength : float or None
-        In nm; None where all are meant.
+        In nm; None for a test over all wavelengths.
     message : str
-        A sentence, where the test did not pass.
+        A sentence about the failure, if the test failed.
     """
 
     kind: str
@@ -95,17 +95,17 @@ class Histogram:
     direction : tuple of 3 floats
         The given direction wi.
     wavelength : float
-        In nm; of the density.
+        Wavelength of the density in nm.
     samples : int
-        How many were drawn.
+        Number of samples.
     centers : numpy.ndarray (n, 3)
-        Directions of the bins, the finer the larger the density.
+        Directions of the bins, which are smaller where the density is larger.
     sizes : numpy.ndarray (n,)
-        Their edges in rad, roughly.
+        Approximate sizes of the bins in rad.
     expected, found : numpy.ndarray (n,)
         Numbers of samples.
     chi_square, p_value : float
-        The test, made over `pools` groups of neighbouring bins.
+        Result of the test over `pools` groups of neighbouring bins.
     """
 
     direction: Tuple[float, float, float]
@@ -135,7 +135,7 @@ class CheckReport:
     wavelengths : numpy.ndarray (m,)
         In nm, of `albedo`.
     albedo : numpy.ndarray (n, m)
-        The part of the light that is reflected or transmitted.
+        Fraction of the light that is reflected or transmitted.
     bound : float
         What `albedo` may be at most, and by how much it may be missed: `tolerance`.
     histograms : list of Histogram
@@ -296,27 +296,27 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         For each direction and each of two wavelengths; at least 1000. Fewer are faster and find less. None: 300,000, or
         30,000 for a BSDF written in Python.
     significance : float
-        Probability that a right BSDF fails in one of the statistical tests; shared among them (Sidak).
+        Probability that a correct BSDF fails in one of the statistical tests; shared among them (Sidak).
     wavelengths : (float, float) or None
-        Range in nm, within that for which the BSDF was made; None: all of it.
+        Range in nm, within the range for which the BSDF was made; None: all of it.
     seed : int
-        Of the random numbers; the same seed gives the same report.
+        Seed of the random numbers; equal seeds give equal reports.
     progress : callable, optional
-        Called with the part that is done, in [0, 1].
+        Called with the completed fraction, in [0, 1].
     two_sided : bool, optional
         True: it must reflect or transmit light from below, too; False: it must be black from below; None: either.
     may_fail : bool
         `sample` may return nothing; the density must then integrate to the part that is sampled. False: that is an
         error.
     index_ratio : float, optional
-        The refractive index below the surface over that above, by whose square reciprocity differs; None: what samples
-        of the BSDF say.
+        Index of refraction below the surface over the index above. f of the two directions differs by its square.
+        None: it is taken from samples of the BSDF.
     largest_energy : float
         More than 1 where a model is known to reflect more light than it receives.
     tolerance : float
-        Of energies and integrals of densities.
+        Tolerance of energies and integrals of densities.
     mode : {"importance", "radiance"}
-        In which mode of transport samples and energies are tested.
+        Mode of transport in which samples and energies are tested.
 
     Returns
     -------

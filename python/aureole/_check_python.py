@@ -49,8 +49,8 @@ class Batch:
         return np.ascontiguousarray(value).reshape(n, m), np.ascontiguousarray(pdf).reshape(n, m)
 
     def sample(self, wi: Array, u: Array, wavelengths: Array, mode: str) -> Tuple[Array, Array, Array, Array]:
-        """Directions (n, 3), values and densities (n, m), and (n, 3): is there a direction, its lobe, its ratio of
-        indices. As in a render, see `Adapter.sample_hero`."""
+        """Returns sampled directions (n, 3), values and densities (n, m), and an array (n, 3) of validity, lobe and
+        ratio of indices, as in a render (`Adapter.sample_hero`)."""
         n, m = len(wi), len(wavelengths)
         i, random, nm, uv = self._rows(n, m, wavelengths, wi, u)
         s = self.adapter.sample_rows(i, nm, random, uv, mode)

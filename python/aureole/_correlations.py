@@ -28,7 +28,7 @@ class HardDiscs(NamedTuple):
     box : numpy.ndarray, shape (2,)
         Sides of the periodic box.
     pressure : float
-        Over that of an ideal gas, mean over the motion from the first snapshot to the last; nan for one snapshot.
+        Relative to the pressure of an ideal gas, averaged from the first snapshot to the last; nan for one snapshot.
     """
 
     positions: Reals
@@ -45,7 +45,7 @@ class PairCorrelation(NamedTuple):
     r : numpy.ndarray
         Middles of the bins.
     g : numpy.ndarray
-        Density of pairs over that of independent points.
+        Density of pairs relative to independent points.
     error : numpy.ndarray
         Standard error of `g`.
     low, high : numpy.ndarray
@@ -84,7 +84,7 @@ class PointStructureFactor(NamedTuple):
 class StructureFactor:
     """A structure factor S'(q a) without its delta at q = 0, a the correlation radius.
 
-    Made by the class methods; called with values of q a, it gives those of S'.
+    Made by the class methods; called with values of q a, it returns S'.
 
     Examples
     --------
@@ -149,8 +149,8 @@ class StructureFactor:
 
         Notes
         -----
-        Takes seconds (3 on two cores by default, longer above 0.6). Ctrl-C returns at once, and leaves the simulations to
-        come to their end in the background.
+        Takes seconds (3 on two cores by default, longer above 0.6). Ctrl-C returns at once, while the simulations end
+        in the background.
         """
         count, taken = integer("discs", discs, minimum=200, maximum=5000), integer("snapshots", snapshots, minimum=16)
         if count * taken > 4_000_000:
@@ -160,7 +160,7 @@ class StructureFactor:
     @classmethod
     def lattice(cls, area_fraction: float, *, kind: str = "hexagonal", jitter: float = 0.1, domain: float = 4.0,
                 angle: float = 0.0, random_orientation: bool = True) -> "StructureFactor":
-        """A lattice whose order fades.
+        """A lattice whose order decays with distance.
 
         Parameters
         ----------
@@ -171,12 +171,12 @@ class StructureFactor:
         jitter : float
             Standard deviation of independent displacements along each axis, in lattice spacings, in [0, 1].
         domain : float
-            Order of pairs at a distance r is lost as exp(-r^2/(2 domain^2)); in lattice spacings, at least 0.5, at most
-            25 a.
+            Order of pairs at a distance r decays as exp(-r^2/(2 domain^2)); in lattice spacings, at least 0.5, at
+            most 25 a.
         angle : float
             From x to a lattice vector, rad.
         random_orientation : bool
-            Many domains; the mean over angles.
+            Whether the result is the mean over domains of all orientations.
 
         References
         ----------
@@ -192,7 +192,7 @@ class StructureFactor:
 
     @classmethod
     def table(cls, qa: npt.ArrayLike, s: npt.ArrayLike) -> "StructureFactor":
-        """Values `s` at increasing `qa`, linear between, the first towards 0, and 1 beyond the last."""
+        """Values `s` at increasing `qa`, linear in between, constant below the first, and 1 beyond the last."""
         return cls(_aureole.tabulated_factor(*_columns("qa", qa, "s", s)))
 
     @classmethod
@@ -275,19 +275,20 @@ def hard_discs(n: int, area_fraction: float, seed: int = 0, *, radius: npt.Array
     Parameters
     ----------
     n : int
-        Number of discs, up to 1e6; the box must be four of the largest diameters wide.
+        Number of discs, up to 1e6; the box must be at least four times as wide as the largest disc.
     area_fraction : float
         Covered part of the plane, in [1e-6, 0.68].
     seed : int
         The same seed gives the same discs, bit by bit.
     radius : array_like, shape () or (n,)
-        Of all discs, or of each one: a mixture, of up to 20000 discs whose radii differ by a factor of 100 at most.
+        Radius of all discs, or a radius for each disc of a mixture of up to 20000 discs, whose radii differ by a
+        factor of 100 at most.
     snapshots : int, optional
-        Return so many configurations of one simulation, apart enough for each to be worth its evaluation (not
-        independent ones). All together at most 2^27 positions.
+        Number of configurations of one simulation that are returned. They are far enough apart for each to add
+        information, but not independent. All together at most 2^27 positions.
     sweeps : float, optional
-        Collisions per disc before the first snapshot. By default enough for the start, a lattice, to be forgotten:
-        some 200 for up to 1500 discs and more for more: 10^4 discs take a second or so, 10^5 minutes.
+        Collisions per disc before the first snapshot. By default enough for the initial lattice to vanish: some 200
+        for up to 1500 discs, more for larger numbers. 10^4 discs take about a second, 10^5 discs minutes.
 
     Returns
     -------
@@ -337,7 +338,7 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
         Sides of the field in the unit of the positions.
     r_max : float, optional
         End of the equal bins from 0, at most half of the shorter side; by default that or five mean distances,
-        whichever is less.
+        whichever is smaller.
     bins : int
         Number of equal bins, up to 10000.
     edges : array_like, optional
@@ -347,15 +348,16 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
         the translational edge correction of Ohser & Stoyan ("On the second-order and orientation analysis of planar
         stationary point processes", 1981).
     tiles : int
-        The error comes from the differences between tiles x tiles parts of each field, as the first points of pairs
-        (after Loh, "A valid and fast spatial bootstrap for correlation functions", 2008), less what their numbers of
-        points explain. 3 to 32. For distances near to the size of a part it is some 40 % too large, where points are
-        independent.
+        3 to 32. The error is estimated from the differences between tiles x tiles parts of each field, each of which
+        has the first points of its pairs (after Loh, "A valid and fast spatial bootstrap for correlation functions",
+        2008). Differences that the numbers of points explain are removed before. For distances near to the size of a
+        part it is some 40 % too large, where points are independent.
 
     Returns
     -------
     PairCorrelation
-        Intervals are Student's; where a bin has no pair, `high` is where chance would leave it empty in 2.5 % of cases.
+        Intervals are Student's; where a bin has no pair, `high` is the value at which it would be empty with a
+        probability of 2.5 %.
 
     Examples
     --------
@@ -420,20 +422,21 @@ def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_ma
         End of equal rings of wave vectors, rad per unit; by default 20 over the mean distance of points. At most 1024
         waves per side.
     rings : int
-        Number of equal rings, up to 2000. Of a periodic box those without a wave vector are left out.
+        Number of equal rings, up to 2000. Rings without a wave vector of a periodic box are left out.
     edges : array_like, optional
         Increasing edges of rings in place of `q_max` and `rings`.
     periodic : bool
-        The box repeats: S is taken on its own wave vectors. Otherwise it is a window on a larger pattern: points are
-        weighted by a taper (Hann) against side lobes, which sees S with a resolution of about 12/side, and S is taken
-        at the middles of rings, from 4 pi/(shorter side) on.
+        The box repeats: S is evaluated at its own wave vectors. Otherwise it is a window on a larger pattern: points
+        are weighted by a taper (Hann) against side lobes, which limits the resolution of S to about 12/side, and S is
+        evaluated at the middles of rings, from 4 pi/(shorter side) on.
     per_ring : int
-        Wave vectors of a ring of a periodic box, at most.
+        Upper bound of the number of wave vectors in a ring of a periodic box.
 
     Returns
     -------
     PointStructureFactor
-        Errors follow from the number of independent wave vectors, whose power has a standard deviation of its mean.
+        Errors follow from the number of independent wave vectors, whose power has a standard deviation equal to its
+        mean.
 
     Examples
     --------

@@ -56,8 +56,8 @@ def knife_edge(v: npt.ArrayLike) -> Complexes:
     Parameters
     ----------
     v : array_like
-        Fresnel's number, negative in the shadow: v = -h sqrt(2 (1/d1 + 1/d2)/wavelength), the edge h above the straight way,
-        d1 behind the source and d2 before the observer.
+        Fresnel's number, negative in the shadow: v = -h sqrt(2 (1/d1 + 1/d2)/wavelength), with the edge at a height h
+        above the straight line, at the distance d1 from the source and d2 from the observer.
 
     References
     ----------
@@ -96,9 +96,10 @@ def utd_coefficient(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, 
     sin_beta : array_like
         Sine of the angle between ray and edge.
     polarisation : {'soft', 'hard'}
-        Metal, the electric field along the edge or the magnetic one.
+        For metal, with the electric ('soft') or the magnetic field ('hard') along the edge.
     faces : (complex, complex), optional
-        Reflection of the o- and the n-face instead (Luebbers 1984); (0, 0) absorb.
+        Reflection coefficients of the o- and the n-face, which replace the polarisation (Luebbers 1984); (0, 0) for
+        absorbing faces.
 
     References
     ----------
@@ -170,7 +171,7 @@ def point_source_spreading(s_i: npt.ArrayLike, s: npt.ArrayLike) -> Reals:
 def utd_field(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, rho: npt.ArrayLike, *, n: float = 2.0,
               polarisation: str = "soft", faces: Optional[Tuple[complex, complex]] = None) -> Complexes:
     """Field at the distance rho from a wedge in a plane wave across its edge, of amplitude 1 and phase 0 there: direct,
-    reflected and diffracted. Of a half plane of metal it is exact. Arguments as in `utd_coefficient`."""
+    reflected and diffracted. The field is exact for a half plane of metal. Arguments as in `utd_coefficient`."""
     return _wedge(n, (k, rho, 1.0, phi, phi_i), polarisation, faces, True)
 
 
@@ -188,9 +189,9 @@ def rayleigh_sommerfeld(points: npt.ArrayLike, k: float, *, radius: Optional[flo
     radius, inner_radius : float
         The opening is a disc, or a ring, about the origin.
     polygons : sequence of array_like, shape (n, 2)
-        Or what an odd number of these polygons surrounds.
+        Or the opening is the region that an odd number of these polygons surround.
     direction : array_like, shape (3,), optional
-        The light is a plane wave exp(i k d.x); (0, 0, 1) where nothing is said.
+        The light is a plane wave exp(i k d.x); by default (0, 0, 1).
     source : array_like, shape (3,), optional
         Or a spherical wave exp(i k r)/r from this point, z < 0.
 

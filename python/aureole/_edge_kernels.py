@@ -36,7 +36,8 @@ def mean_edge_kernel(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, q: npt
     Returns
     -------
     numpy.ndarray, shape of `at`
-        In length/sr; over all directions along a straight edge wavelength/(4 pi^2 theta^2) per radian in its shadow.
+        In length/sr. Integrated over the directions along a straight edge, it is wavelength/(4 pi^2 theta^2) per
+        radian in the shadow.
     """
     rows, chosen = _projected(edges, index, None)
     wave = real("q", q)
@@ -66,8 +67,8 @@ def mean_edge_powers(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, k: npt
     Returns
     -------
     numpy.ndarray
-        In units of length. A closed form but for a quadrature along the edges, right within some 0.2 % in beams of 25 wavelengths and
-        2.5 % in beams of 5 (docs/optics.md).
+        In units of length. A closed form except for a quadrature along the edges, with errors of some 0.2 % in beams
+        of 25 wavelengths and 2.5 % in beams of 5 (docs/optics.md).
 
     Examples
     --------
@@ -85,10 +86,9 @@ def mean_edge_powers(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, k: npt
 
 def drawn_edge_kernels(edges: npt.ArrayLike, index: int, normal: npt.ArrayLike, turn: npt.ArrayLike, k: npt.ArrayLike,
                        sigma: npt.ArrayLike, *, lengths: Optional[npt.ArrayLike] = None) -> Reals:
-    """Kernels of an edge of a group by drawn wave vectors, whose time grows with the number of edges and not of their pairs.
-
-    Summed over the edges, times their lengths, and averaged over normal numbers they are what `mean_edge_kernel` is; they are never
-    negative.
+    """Kernels of an edge of a group for sampled wave vectors. They are never negative, and the time grows with the
+    number of edges instead of the number of pairs of edges. Summed over the edges, weighted by their lengths, and
+    averaged over normal numbers, they agree with `mean_edge_kernel`.
 
     Parameters
     ----------
@@ -125,18 +125,18 @@ def straight_edge_kernels(across: npt.ArrayLike, along: npt.ArrayLike, k: npt.Ar
     Parameters
     ----------
     across, along : array_like
-        Of the difference of the directions before and after (unit vectors), its parts across and along the edge as it is seen
-        along their sum.
+        Components of the difference of the directions before and after (unit vectors), across and along the edge as
+        projected along the sum of the directions.
     k, sigma : array_like
         Wave numbers, and standard deviations of the beams' intensity.
     shown : array_like
-        Length of the edge that is seen there over its length, in [0, 1].
+        Length of the projected edge over its length, in [0, 1].
 
     Returns
     -------
     numpy.ndarray
-        In length/sr, 0 where `across` is. Over the directions along the edge wavelength/(4 pi^2 theta^2) per radian, Keller's
-        coefficient, within 1 % from theta = 3/(2 k sigma) on.
+        In length/sr; 0 where `across` is 0. Integrated over the directions along the edge, it is wavelength/(4 pi^2
+        theta^2) per radian, as by Keller's coefficient, within 1 % from theta = 3/(2 k sigma) on.
     """
     return of_rows(_aureole.straight_edge_kernels,  # type: ignore[no-any-return]
                    across=_turn("across", across), along=_turn("along", along), shown=real("shown", shown, minimum=0, maximum=1),
@@ -166,7 +166,7 @@ def straight_edge_corrections(across: npt.ArrayLike, along: npt.ArrayLike, k: np
     Parameters
     ----------
     across, along, k, sigma, shown : array_like
-        As of `straight_edge_kernels`.
+        As in `straight_edge_kernels`.
     weight : array_like
         In [0, 1].
 
@@ -198,7 +198,7 @@ def straight_edge_weights(place: npt.ArrayLike, before: npt.ArrayLike, after: np
     before, after : array_like
         Distances from the place to the ends of the line, as they are seen.
     others : array_like, shape (n, 2, 2)
-        The ends of all other edges nearby, in that plane; none, where there are none.
+        The ends of all other edges nearby, in that plane; empty where there are none.
     sigma : array_like
         Standard deviation of the beams' intensity.
 
@@ -209,7 +209,7 @@ def straight_edge_weights(place: npt.ArrayLike, before: npt.ArrayLike, after: np
 
     Examples
     --------
-    At the end of a line half of the light is its own:
+    At the end of a line half of the light belongs to it:
 
     >>> from aureole import optics
     >>> round(float(optics.straight_edge_weights((0, 0), 50.0, 0.0, [], 1.0)), 3)
@@ -263,7 +263,8 @@ def _turn(name: str, value: Any) -> Reals:
 
 
 def _projected(edges: Any, index: Any, lengths: Any) -> Tuple[Reals, int]:
-    """Rows of ends and lengths, and the index of one of them that has a length."""
+    """Returns the checked edges as rows of their ends and lengths, and the checked index of an edge of positive
+    length."""
     ends = real("edges", edges, minimum=-1e100, maximum=1e100)
     if ends.ndim != 3 or ends.shape[1:] != (2, 2) or not len(ends):
         raise Error(f"edges: expected an array of shape (n, 2, 2), n > 0, got shape {ends.shape}")

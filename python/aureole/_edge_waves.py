@@ -49,9 +49,10 @@ class EdgeWaves:
     zeroth_order : {'beam', 'edge', 'none'}
         How the undiffracted beam is removed. 'beam': the power is multiplied by 1 - chi(q), chi a Gaussian of standard
         deviation `sigma` (1/(2 s) for a Gaussian beam whose intensity has the standard deviation s), so that results do
-        not depend on how edges are cut. 'edge': chi of sqrt(3)/length for each edge, as published. 'none': nothing.
+        not depend on how edges are cut. 'edge': a chi of standard deviation sqrt(3)/length for each edge, as
+        published. 'none': it is not removed.
     sigma : float, optional
-        Of 'beam', in rad per unit of length.
+        Standard deviation of chi for 'beam', in rad per unit of length.
 
     References
     ----------
@@ -131,7 +132,7 @@ class EdgeWaves:
         return float(self.power(q_max) / self.powers().sum())
 
     def pdf(self, q: npt.ArrayLike) -> Reals:
-        """Density of `sample` per d2q, a mixture of what single edges diffract; its integral is 1."""
+        """Density of `sample` per d2q, a mixture of the densities of single edges; its integral is 1."""
         return _at(q, np.float64, self._edges.pdf)  # type: ignore[no-any-return]
 
     def sample(self, n: int, seed: int = 0) -> Reals:
@@ -141,9 +142,9 @@ class EdgeWaves:
         return result.reshape(-1, 2)
 
     def balanced(self, q_max: Optional[float] = None, most_edges: int = 4096) -> EdgeWaves:
-        """Edges for sampling, long ones cut and short ones joined until the quality is in [0.5, 2] where that can be had.
-
-        Joined edges have another field: draw from the result, weight with the field of this."""
+        """Edges for sampling, long ones cut and short ones joined until the quality is in [0.5, 2] where that is
+        possible. Joined edges have another field: sample from the result, and weight the samples with the field of
+        this object."""
         points, amplitudes = self._edges.balanced(self.power(q_max), integer("most_edges", most_edges, minimum=1, maximum=10**5))
         return EdgeWaves(np.reshape(points, (-1, 2, 2)), np.reshape(amplitudes, (-1, 2)), zeroth_order=self._removal,
                          sigma=self._sigma if self._removal == "beam" else None)
@@ -204,7 +205,8 @@ def amplitude_moments(corners: npt.ArrayLike, values: npt.ArrayLike) -> Amplitud
 def zeroth_order_power(corners: npt.ArrayLike, values: npt.ArrayLike, sigma: float) -> float:
     """Power in the undiffracted beam, by the height and the curvature of its peak.
 
-    The peak is taken for a Gaussian, 2 pi |F(0)|^2/(4 pi^2) det(H + 1/sigma^2)^(-1/2), H the curvature of -ln |F|^2.
+    The peak is approximated by a Gaussian, 2 pi |F(0)|^2/(4 pi^2) det(H + 1/sigma^2)^(-1/2), H the curvature of -ln
+    |F|^2.
 
     Parameters
     ----------
@@ -267,8 +269,8 @@ def interfering_power(edges: npt.ArrayLike, amplitudes: npt.ArrayLike = 1.0, *, 
     sigma : float
         Standard deviation of chi, in rad per unit of length.
     nodes : {2, 4, 8}
-        Of Gauss's rule on each 1/sigma of an edge: errors of some 1 % with 2 and below 1e-4 with 8, for edges that are no
-        closer to one another than the nodes are.
+        Number of nodes of Gauss's rule for each 1/sigma of an edge: errors of some 1 % with 2 and below 1e-4 with 8,
+        for edges that are no closer to one another than the nodes are.
 
     Returns
     -------

@@ -30,8 +30,8 @@ class Image:
     Attributes
     ----------
     array : numpy.ndarray of float32, shape (height, width, channels)
-        A view of the picture's own memory (no copy), read-only. Linear values: for a film of colours linear sRGB, for
-        one of spectral bins the mean spectral radiance in each.
+        A view of the picture's own memory (no copy), read-only. Linear values: linear sRGB for a film of colours, the
+        mean spectral radiance of each bin for a film of spectral bins.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class Image:
         self._outcome = outcome
         own = [n for n in self._names if not n.startswith("variance.")]
         self._own = len(own)
-        # Files hold channels in the order of the alphabet, in which variances may differ from what they are of.
+        # Files store channels in alphabetical order, in which variances may have another order than their channels.
         order = own + [f"variance.{n}" for n in own]
         if len(self._names) > len(own) > 0 and self._names != order and sorted(self._names) == sorted(order):
             self._all = self._all[..., [self._names.index(n) for n in order]]
@@ -91,7 +91,7 @@ class Image:
 
     @property
     def array(self) -> FloatArray:
-        """The channels but variances, float32 of shape (height, width, channels): a view, read-only."""
+        """The channels except variances, float32 of shape (height, width, channels): a view, read-only."""
         return self._all[..., : self._own]
 
     @property
@@ -106,7 +106,8 @@ class Image:
 
     @property
     def notes(self) -> List[str]:
-        """How the file was understood where that is not obvious: primaries that were converted, pages that were left out, ..."""
+        """Notes on how the file was read where that is not obvious: primaries that were converted, pages that were
+        left out, ..."""
         return list(self._picture.notes)
 
     @property
@@ -261,30 +262,31 @@ def convert(path: "str | os.PathLike[str]", output: "str | os.PathLike[str]", *,
             low: Optional[float] = None, high: Optional[float] = None, log: bool = False, contours: int = 0,
             difference: "str | os.PathLike[str] | None" = None, difference_kind: str = "absolute", bits: Optional[int] = None,
             quality: int = 95) -> None:
-    """Writes a picture in another format, as `aureole convert`; what it notes is a warning.
+    """Writes a picture in another format, as `aureole convert`; its notes are warnings.
 
     Parameters
     ----------
     path, output : str or path
-        EXR, HDR, PFM, PNG, JPEG, TIFF (read also TGA and BMP). The extension of `output` tells its format. Integers are
-        encoded as sRGB; all other values are linear.
+        EXR, HDR, PFM, PNG, JPEG, TIFF (read also TGA and BMP). The extension of `output` determines its format.
+        Integers are encoded as sRGB; all other values are linear.
     exposure : float
         Stops: R, G, B and Y are multiplied by 2 to this power.
     tonemap : str, optional
-        "asinh:COMPRESSION:EXPOSURE", of formats with integers.
+        "asinh:COMPRESSION:EXPOSURE", for formats with integers.
     crop : sequence of 4 int, optional
         x, y, width and height in pixels from the upper left corner.
     channel : str, optional
         A layer ("albedo" for albedo.R, albedo.G, albedo.B) or a channel ("depth.Y").
     false_color : str, optional
         Luminance, or the one channel, in colours of a map ("viridis", "magma", "inferno", "plasma", "cividis", "turbo",
-        "gray") with a scale from `low` to `high` (by default those of the picture), logarithmic with `log`, and `contours`.
+        "gray") with a scale from `low` to `high` (by default the extremes of the picture), logarithmic with `log`,
+        and `contours`.
     difference : str or path, optional
         The picture that is subtracted; `difference_kind` is "absolute", "relative" (divided by it) or "plain".
     bits : int, optional
         Per channel: PNG 8 or 16, TIFF 8, 16 or 32 (linear floats), EXR 16 or 32.
     quality : int
-        Of a JPEG, 1 to 100.
+        Quality of a JPEG, 1 to 100.
     """
     if text("difference_kind", difference_kind) not in ("absolute", "relative", "plain"):
         raise Error(f'difference_kind: expected "absolute", "relative" or "plain", got {shown(difference_kind)}')

@@ -52,7 +52,7 @@ class Particles:
     Attributes
     ----------
     field : numpy.ndarray of int
-        Which picture it is in.
+        Index of the picture.
     x, y : numpy.ndarray
         Centroid.
     radius, area : numpy.ndarray
@@ -60,14 +60,14 @@ class Particles:
     circularity : numpy.ndarray
         4 pi area/perimeter^2 of the outline; 1 for a circle.
     aspect, angle : numpy.ndarray
-        Of the ellipse with the same second moments: long over short axis, and the long one's angle from x towards y
-        in degrees.
+        Of the ellipse with the same second moments: long over short axis, and the angle of the long axis from x
+        towards y in degrees.
     cut, touching : numpy.ndarray of bool
-        The frame cuts it; it shares a boundary with another one.
+        Whether the frame cuts the particle, and whether it shares a boundary with another particle.
     weight : numpy.ndarray
-        In statistics of sizes; 0 for cut ones. They sum to 1.
+        Weight in statistics of sizes; 0 for cut particles. The weights sum to 1.
     outline : list of numpy.ndarray, shape (k, 2)
-        Empty for cut ones.
+        Corners of the outline; empty for cut particles.
     """
 
     field: npt.NDArray[np.int64]
@@ -94,7 +94,7 @@ class Microstructure:
     Attributes
     ----------
     area_fraction : Estimate
-        Part of the plane that discs of `correlation_radius` would cover: that of ``correlated_scatterers``.
+        Part of the plane that discs of `correlation_radius` would cover: the parameter of ``correlated_scatterers``.
     covered_fraction : Estimate
         Part of the plane that the particles cover.
     density : Estimate
@@ -121,7 +121,7 @@ class Microstructure:
     notes : list of str
         Doubts about the result.
     scene_text : str
-        The material as a scene file; files that it names are those of `save`.
+        The material as a scene file; the files that it names are written by `save`.
     """
 
     area_fraction: Estimate
@@ -151,8 +151,8 @@ class Microstructure:
         Parameters
         ----------
         folder : path-like, optional
-            Where `save` wrote, for shapes that are not round: their outline is a file there. Without it they are an
-            error; sizes are then given as a mixture of circles.
+            Folder that `save` wrote. Shapes that are not round need it, since their outline is a file there. Without
+            it, sizes of circles are given as a mixture.
 
         Returns
         -------
@@ -253,39 +253,40 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
                    int_ior: "Union[float, str, None]" = None) -> Microstructure:
     """Finds the scatterers in pictures of one sample and measures the parameters of a layer of them.
 
-    Light that is uneven is evened out, particles that touch are divided, those that the frame cuts are accounted for.
-    See "From pictures to a material" in the documentation for the rules.
+    Uneven illumination is corrected, touching particles are divided, and particles that the frame cuts are accounted
+    for. See "From pictures to a material" in the documentation for the rules.
 
     Parameters
     ----------
     images : array_like (height, width) or (height, width, 3), Image, path-like, or a list of these
         Grey values proportional to the light.
     pixel_size : float or str, optional
-        Side of a pixel in m, or with its unit ("0.2um"). Only files that say it themselves (TIFF) can do without.
+        Side of a pixel in m, or with its unit ("0.2um"). Required unless the file states it (TIFF).
     mask : array_like of bool (height, width), or a list of them
         True where a picture counts; one for all, or one for each.
     polarity : {"auto", "dark", "bright"}
-        Of the particles.
+        Polarity of the particles relative to the ground.
     background : {"auto", "morphology", "none"}
-        How uneven light is found: smooth levels of particles and of ground; opening and closing over
+        How uneven illumination is estimated: smooth levels of particles and of ground; opening and closing over
         `background_scale` pixels; not at all.
     background_scale : float
-        In pixels, larger than particles; 0: by their size.
+        In pixels, larger than particles; 0: chosen by their size.
     denoise : {"auto", "none", "gaussian", "median"}
     smooth : float
-        Standard deviation in pixels of the Gaussian before outlines are found; 0: by the noise.
+        Standard deviation in pixels of the Gaussian that is applied before outlines are found; 0: chosen by the
+        noise.
     fill_holes : bool
-        Particles with a middle like the ground are whole.
+        Whether particles with a centre as bright as the ground are filled.
     min_radius : float
-        In pixels; smaller ones are dirt.
+        In pixels; smaller particles count as dirt.
     correlation_radius : float or str, optional
         Half the smallest distance of two centres, where it is known; by default it is fitted to g(r).
     encoding : {"linear", "srgb"}
-        Of the grey values.
+        Encoding of the grey values.
     resamples, seed : int
-        Of the bootstrap that the intervals come from.
+        Number of resamples and seed of the bootstrap for the intervals.
     overlays : bool
-        Make pictures of what was found.
+        Whether pictures of the result are made.
     scatterer : {"auto", "apertures", "discs", "spheres"}
         Scatterers of the material: openings in an opaque sheet, opaque discs, transparent spheres; "auto": discs for
         dark particles, apertures for bright ones, with a note.

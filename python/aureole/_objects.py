@@ -34,7 +34,8 @@ class BsdfSample:
     wo : ndarray of float64, shape (..., 3)
         Sampled directions; zeros where `valid` is false.
     value : ndarray of float64, shape (...)
-        f |cos theta_o| [1/sr] of all lobes that are no delta. Where a delta lobe was drawn, its factor: a mass without a unit.
+        f |cos theta_o| [1/sr] of all lobes except delta lobes. Where a delta lobe was sampled, its factor, a mass
+        without a unit.
     pdf : ndarray of float64, shape (...)
         Density [1/sr] of wo, or where a delta lobe was drawn its probability. ``value / pdf`` is the weight of the sample.
     valid : ndarray of bool, shape (...), or None
@@ -81,7 +82,7 @@ class EmitterSample:
     pdf : ndarray of float64, shape (...)
         Density [1/sr] of wo, or 1 where `is_delta`.
     distance : ndarray of float64, shape (...)
-        How far the emitter is, in scene units; inf for one at infinity.
+        Distance of the emitter in scene units; inf for an emitter at infinity.
     valid : ndarray of bool, shape (...)
         False where no light of the emitter reaches the reference.
     is_delta : bool

@@ -30,7 +30,7 @@ def efficiency(m: complex, radius: Optional[npt.ArrayLike] = None, *, wavelength
     m : complex
         Refractive index of the spheres over that of what is around them (`optics.mie`).
     radius : array_like, shape (n,)
-        Radii in m, along the axis in um. Without these and `x`: 1000 of them from 1 nm to 100 um.
+        Radii in m, along the axis in um. By default, without `x`, 1000 radii from 1 nm to 100 um.
     wavelength : float
         In vacuum, in nm.
     medium : float
@@ -42,7 +42,7 @@ def efficiency(m: complex, radius: Optional[npt.ArrayLike] = None, *, wavelength
     label : str, optional
         For the legend; without it the curves have the names of the efficiencies.
     color : optional
-        Of the curves, as matplotlib has it.
+        Colour of the curves, for matplotlib.
     ax : matplotlib Axes, optional
 
     Returns
@@ -104,7 +104,7 @@ def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.A
                    wavelength: float = 550, polar: bool = True, log: bool = True,
                    decades: float = 6, label: Optional[str] = None, color: Any = None,
                    ax: "Optional[Axes]" = None) -> "Axes":
-    """A phase function over the angle of scattering: given values, that of spheres, or that of a plug-in.
+    """A phase function over the angle of scattering: given values, or the phase function of spheres or of a plug-in.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.A
     label : str, optional
         For the legend.
     color : optional
-        Of the curve, as matplotlib has it.
+        Colour of the curve, for matplotlib.
     ax : matplotlib Axes, optional
         Polar ones for ``polar=True``.
 

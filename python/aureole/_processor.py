@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asked before the compiled module is loaded: a processor without AVX2 gets a sentence, not a crash."""
+"""Checks the processor before the compiled module is loaded, so that a processor without AVX2 causes a message
+instead of a crash."""
 
 
 def require_processor() -> None:
@@ -8,7 +9,7 @@ def require_processor() -> None:
         with open("/proc/cpuinfo", encoding="ascii", errors="replace") as f:
             flags = next((line.split(":", 1)[1].split() for line in f if line.startswith("flags")), None)
     except OSError:
-        return  # not Linux as we know it: try
+        return  # an unknown system: the module is tried
     missing = [name for name in ("avx2", "fma", "bmi2") if flags is not None and name not in flags]
     if missing:
         raise ImportError(f"aureole: this processor lacks {', '.join(missing)} (x86-64-v3), which this build needs")

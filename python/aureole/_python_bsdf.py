@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""BSDFs that are written in Python: the base class, and what stands between such a class and the renderer."""
+"""BSDFs that are written in Python: the base class, and the adapter between such a class and the renderer."""
 from __future__ import annotations
 
 import atexit
@@ -31,7 +31,7 @@ class PythonBsdf:
     ----------
     lobes : tuple of str
         Kinds of the lobes: diffuse, glossy or delta, and reflect or transmit. A BSDF without "transmit" is black where wi and wo are on
-        different sides, whatever its methods say of that.
+        different sides, whatever its methods return there.
     needs_tangent : bool
         Values change when the surface is turned about its normal.
 
@@ -54,7 +54,8 @@ class PythonBsdf:
         raise NotImplementedError(f"{type(self).__name__} needs the method eval(wi, wo, wavelength)")
 
     def pdf(self, wi: FloatArray, wo: FloatArray, wavelength: FloatArray) -> npt.ArrayLike:
-        """Density [1/sr] with which `sample` draws wo, shape (n,). Here: that of the cosine, on both sides where light is transmitted."""
+        """Density [1/sr] with which `sample` draws wo, shape (n,). By default the density is proportional to the
+        cosine, on both sides where light is transmitted."""
         if "transmit" in self.lobes:
             return np.asarray(np.abs(wo[:, 2]) / (2 * np.pi))
         return np.where(wi[:, 2] * wo[:, 2] > 0, np.abs(wo[:, 2]), 0) / np.pi
@@ -65,9 +66,10 @@ class PythonBsdf:
         Returns
         -------
         wo, a tuple (wo, value, pdf) or (wo, value, pdf, valid), an aureole.BsdfSample, or None
-            Directions (n, 3), `eval` and `pdf` there (n,), which are called where only wo is returned, and which rows have a direction at
-            all (n,), by default those with pdf > 0. None: no row has one. Only a `BsdfSample` can say that a lobe is a delta (`lobe`),
-            and the ratio of refractive indices (`eta`). A wo on a side that `lobes` leaves out counts as no direction.
+            Directions (n, 3); their values and densities (n,), for which `eval` and `pdf` are called where only wo is
+            returned; and whether each row has a direction (n,), by default where pdf > 0. None: no row has one. Only
+            a `BsdfSample` can state delta lobes (`lobe`) and the ratio of refractive indices (`eta`). A wo on a side
+            that `lobes` leaves out counts as no direction.
         """
         radius, phi = np.sqrt(u[:, 1]), 2 * np.pi * u[:, 2]
         z = np.copysign(np.sqrt(1 - u[:, 1]), wi[:, 2])
@@ -77,7 +79,8 @@ class PythonBsdf:
 
 
 def as_bsdf(bsdf: Any) -> Bsdf:
-    """The argument if it is a `Bsdf`, else the one that an object with the methods of `PythonBsdf` is."""
+    """Returns the argument if it is a `Bsdf`, else a `Bsdf` that calls the methods of the argument, as of
+    `PythonBsdf`."""
     return bsdf if isinstance(bsdf, Bsdf) else python_bsdf(bsdf)
 
 
@@ -102,7 +105,7 @@ class Adapter:
         self.flags = self._lobes(getattr(target, "lobes", PythonBsdf.lobes))
         self.lobes = int(self.flags)
         self.needs_tangent = bool(getattr(target, "needs_tangent", True))
-        # For directions of the same and of different signs of z.
+        # Whether light is scattered between directions with equal and with different signs of z.
         self._reflects, self._transmits = "reflect" in _names(self.flags), "transmit" in _names(self.flags)
 
     def _lobes(self, names: Any) -> Lobe:
@@ -119,7 +122,7 @@ class Adapter:
     # ---------------------------------------------------------------- n rows
 
     def call(self, method: str, *arguments: Any, uv: FloatArray, mode: str) -> Any:
-        """The method's answer as it is."""
+        """Returns the result of a method, unchecked."""
         further = {"uv": uv, "mode": mode}
         return getattr(self.target, method)(*arguments, **{k: further[k] for k in self._extra[method]})
 
@@ -201,7 +204,7 @@ class Adapter:
         if value is None or pdf is None:
             value, pdf = self.eval_pdf_rows(wi, wo, wavelength, uv, mode)
             exists = exists & (pdf > 0)
-            value, pdf = np.where(exists, value, 0), np.where(exists, pdf, 0)  # numbers that have been looked at
+            value, pdf = np.where(exists, value, 0), np.where(exists, pdf, 0)  # these numbers were checked
         else:
             value = self._numbers("sample", "value", np.where(exists, value, 0), n)
             pdf = self._numbers("sample", "pdf", np.where(exists, pdf, 0), n)
@@ -213,11 +216,12 @@ class Adapter:
 
     def sample_hero(self, wi: FloatArray, wavelength: FloatArray, u: FloatArray, uv: FloatArray,
                     mode: str) -> Optional[Tuple[FloatArray, FloatArray, FloatArray, int, float]]:
-        """The sample of the renderer: a direction for the first row's wavelength, and what the others have there.
+        """Returns the sample of the renderer: a direction for the first row's wavelength, and the values of the other
+        wavelengths for it.
 
-        Every row is drawn for its own wavelength with the same random numbers. Where all go the same way, what they say of themselves is
-        what is wanted; else `eval` and `pdf` answer for the direction of the first one. A delta that depends on the wavelength has no
-        value for those that go elsewhere.
+        Every row is sampled at its own wavelength with the same random numbers. Where all rows have one direction,
+        their own values and densities are returned; else `eval` and `pdf` are called for the direction of the first
+        row. A delta whose direction depends on the wavelength has no value at the wavelengths with other directions.
         """
         s = self.sample_rows(wi, wavelength, u, uv, mode)
         assert s.valid is not None and s.lobe is not None and s.eta is not None
@@ -256,7 +260,7 @@ class Adapter:
 
     def albedo_array(self, theta: Any, wavelength: Any, phi: Any, uv: Any, mode: str, part: str, samples: int, seed: int,
                      return_error: bool) -> Any:
-        """`Bsdf.albedo`: see there."""
+        """Implements `Bsdf.albedo`."""
         rows = Rows(theta=real("theta", theta, minimum=0, maximum=np.pi + 1e-6), phi=real("phi", phi), uv=_coordinates(uv),
                     wavelength=_wavelengths(wavelength))
         root = 1.2207440846057596
@@ -297,7 +301,7 @@ class Rows:
 
 
 # A BSDF of a program's main module is part of a cycle that Python cannot see through C++: its class knows the module, whose variables hold
-# the BSDF or a scene with it. It is cut when the program ends, so that everything is freed.
+# the BSDF or a scene with it. The cycle is broken when the program ends, so that everything is freed.
 _living: "weakref.WeakSet[Adapter]" = weakref.WeakSet()
 
 

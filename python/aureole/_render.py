@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rendering: one call for a picture, and refinements of one as they come."""
+"""Rendering: one call for a picture, and an iterator over its refinements."""
 from __future__ import annotations
 
 import warnings
@@ -13,7 +13,7 @@ from ._scene import Scene
 
 #: Called with the units of work done, all of them, seconds so far and samples per second.
 Report = Callable[[int, int, float, float], None]
-_BLOCK = 16  # samples of a unit of work: refinements are whole ones
+_BLOCK = 16  # samples of a unit of work; refinements consist of whole units
 
 
 class InterruptedWarning(UserWarning):
@@ -34,7 +34,7 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
     spp : int, optional
         Samples per pixel; by default the scene's.
     seed : int, optional
-        Of the samples; by default the scene's.
+        Seed of the samples; by default the scene's.
     threads : int
         0 for all cores; the picture does not depend on it.
     time : float
@@ -42,12 +42,13 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
     replicates : int
         Independently scrambled pictures; with two or more the image has a variance.
     adaptive : {"none", "absolute", "display", "relative"}, optional
-        Pixels take half to 4 times as many samples, more where noise is, at most `spp` on average: for small squared errors of
-        the picture, of the picture as a display shows it, or in units of each pixel's brightness. By default the scene's.
+        Pixels take half to 4 times as many samples, more where the noise is larger, at most `spp` on average: for
+        small squared errors of the picture, of the picture as a display shows it, or in units of each pixel's
+        brightness. By default the scene's.
     progress : bool or callable
         A bar in terminals and notebooks, or a function of (units done, units, seconds, samples per second).
     start : Image, optional
-        A picture of the same scene and seed to go on with: only missing samples are rendered.
+        A picture of the same scene and seed that is continued: only missing samples are rendered.
 
     Returns
     -------
@@ -127,7 +128,7 @@ def _refinements(scene: Scene, end: int, step: Optional[int], seed: Optional[int
 
 
 class _Bar:
-    """A bar while it is entered: tqdm's, which knows terminals and notebooks."""
+    """A progress bar, as a context manager: the bar of tqdm, for terminals and notebooks."""
 
     def __init__(self, progress: Union[bool, Report]) -> None:
         self._progress = progress
@@ -143,7 +144,7 @@ class _Bar:
     def _update(self, done: int, units: int, seconds: float, rate: float) -> None:
         if self._bar is None:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a notebook without ipywidgets has a bar of text, which is well
+                warnings.simplefilter("ignore")  # a notebook without ipywidgets shows a bar of text without a warning
                 from tqdm.auto import tqdm
 
             self._bar = tqdm(total=units, unit="tile", leave=False, delay=0.5, dynamic_ncols=True)

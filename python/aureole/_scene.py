@@ -70,7 +70,7 @@ class Scene:
 
     def __getitem__(self, path: str) -> Any:
         """The value at a path: a number, string, boolean, array (vector, rgb, spectrum as rows of nm and value), `Transform`
-        or object. Of a parameter that is not stated, its default; None where it has none."""
+        or object. For a parameter that is not stated the default is returned, or None where there is no default."""
         _require_path(path)
         try:
             found, value = self._open.value(path)
@@ -181,7 +181,7 @@ class Scene:
 
     @property
     def sample_count(self) -> int:
-        """Samples per pixel where `render` is not told otherwise."""
+        """Default number of samples per pixel of `render`."""
         return int(self._open.sample_count)
 
     @property
@@ -198,7 +198,7 @@ class Scene:
 
     @property
     def hash(self) -> int:
-        """Changes with the scene's content, as that in the header of pictures."""
+        """A hash of the scene's content, as in the header of pictures."""
         return int(self._open.hash)
 
     def __repr__(self) -> str:
@@ -267,8 +267,8 @@ def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: 
     integrator, sampler : str, optional
         Plug-ins that replace the scene's, as on the command line.
     **defines
-        Values for the $names of the file. A $name that is an argument's ("integrator") is given with an underscore behind
-        it ("integrator_").
+        Values for the $names of the file. A $name that equals the name of an argument ("integrator") takes an
+        underscore at its end ("integrator_").
 
     Returns
     -------
@@ -291,7 +291,8 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
     ----------
     text : str
     path : path-like, optional
-        The file that the text is taken for: other files are searched for beside it. By default in the working folder.
+        The file in whose place the text is read: other files are searched for beside it. By default they are searched
+        for in the working folder.
     integrator, sampler, **defines
         As for `load_file`.
 
@@ -324,7 +325,7 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     integrator, sampler : str, optional
         Plug-ins that replace the scene's.
     wavelengths : (float, float)
-        The range [nm] for which an object that stands alone is made; a scene's sensor says its own.
+        Range [nm] for which a single object is made; the sensor of a scene states the range of the scene.
 
     Returns
     -------

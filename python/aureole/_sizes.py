@@ -25,7 +25,7 @@ class SizeDistribution(NamedTuple):
     effective_radius : float
         Mean of r^3 over that of r^2, in m.
     effective_variance : float
-        That of r about it, weighted by area and divided by its square.
+        Variance of r about the effective radius, weighted by area, over the square of the effective radius.
     mean_area, mean_volume : float
         Means of pi r^2 and 4/3 pi r^3, in m^2 and m^3.
     """
@@ -48,23 +48,24 @@ def _number(name: str, value: Any, **bounds: Any) -> float:
 def size_distribution(kind: str, radius: float, *, spread: float = 0, weighting: str = "number",
                       effective_variance: float = 0.1, alpha: float = 6, gamma: float = 1,
                       steps: float = 64) -> SizeDistribution:
-    """How many particles have which radius: nodes and weights to average with, and the usual means.
+    """Distribution of the radii of particles: nodes and weights for averages, and common means.
 
     Parameters
     ----------
     kind : str
-        "log_normal", "gamma" (Hansen) or "modified_gamma" (Deirmendjian): the parameters are those of the phase function
+        "log_normal", "gamma" (Hansen) or "modified_gamma" (Deirmendjian): with the parameters of the phase function
         `mie` and of the ingredient `spheres`.
     radius : float
-        In m: of a log-normal distribution the median, of gamma the effective radius, of modified_gamma the most frequent one.
+        In m: the median of a log-normal distribution, the effective radius of gamma, the most frequent radius of
+        modified_gamma.
     spread : float
-        Of a log-normal distribution the standard deviation of ln(radius), in [0, 1.5]; 0: one radius.
+        For a log-normal distribution the standard deviation of ln(radius), in [0, 1.5]; 0: one radius.
     weighting : str
         "number" or "volume": by which the log-normal distribution is stated.
     effective_variance : float
-        Of gamma, in (0, 0.5).
+        For gamma, in (0, 0.5).
     alpha, gamma : float
-        Of modified_gamma: r^alpha exp(-(alpha/gamma) (r/radius)^gamma).
+        For modified_gamma: r^alpha exp(-(alpha/gamma) (r/radius)^gamma).
     steps : float
         Nodes for each factor e of the radius.
 

@@ -19,7 +19,8 @@ _KINDS = ("smooth", "beckmann", "ggx")
 
 @dataclass(frozen=True, eq=False)
 class StackLayer:
-    """A layer of a `PlaneStack`. Numbers may be arrays, over wavelengths for instance; all of a stack broadcast.
+    """A layer of a `PlaneStack`. Numbers may be arrays, over wavelengths for instance; all numbers of a stack
+    broadcast.
 
     Attributes
     ----------
@@ -28,14 +29,15 @@ class StackLayer:
     absorption, scattering : array_like
         Coefficients sigma_a and sigma_s in 1/length.
     g : array_like
-        Of Henyey and Greenstein's phase function, in (-1, 1), where neither `moments` nor `table` is given.
+        Mean cosine of Henyey and Greenstein's phase function, in (-1, 1), where neither `moments` nor `table` is
+        given.
     moments : array_like, shape (..., L), optional
         Means of Legendre's polynomials P_0 (which is 1) to P_(L-1) over the phase function.
     table : (mu, p), optional
         Cosines of the scattering angle that increase from -1 to 1, and the phase function there, in any unit. One for all
         wavelengths.
     index : array_like
-        Of refraction.
+        Index of refraction.
     interface : str
         At the top of the layer, where the index changes: "smooth", "beckmann" or "ggx".
     alpha : array_like
@@ -59,11 +61,11 @@ class StackFluxes(NamedTuple):
     Attributes
     ----------
     reflectance, transmittance : numpy.ndarray
-        All light; what passes into a substrate is what that absorbs.
+        All light; the light that enters a substrate is absorbed there.
     unscattered_reflectance, unscattered_transmittance : numpy.ndarray
-        Light that no layer has scattered, part of them.
+        Light that no layer has scattered, as a part of the above.
     absorptance : numpy.ndarray
-        Of the layers.
+        Fraction that the layers absorb.
     """
 
     reflectance: Reals
@@ -81,7 +83,7 @@ class StackFields(NamedTuple):
     flux_down, flux_up : numpy.ndarray
         Irradiances, unscattered light included.
     fluence_down, fluence_up : numpy.ndarray
-        Radiance integrated over the directions of either half.
+        Radiance integrated over the downward and over the upward directions.
     unscattered_flux_down, unscattered_flux_up : numpy.ndarray
         Parts of the fluxes.
     absorption_down, absorption_up, backscatter_down, backscatter_up : numpy.ndarray
@@ -101,7 +103,8 @@ class StackFields(NamedTuple):
 
 
 class PlaneStack:
-    """Plane layers with interfaces and a substrate: light that they reflect, pass and hold, by discrete ordinates.
+    """Plane layers with interfaces and a substrate: the light that they reflect and transmit, and the light within
+    them, by discrete ordinates.
 
     Unpolarised light, solved by adding and doubling; at albedo 1 energy is conserved to rounding errors.
 
@@ -118,8 +121,8 @@ class PlaneStack:
     streams : int
         Directions in which light is followed, an even number in [2, 512]; half of them go down. 2 is a two-flux theory.
     delta_m : bool
-        Take forward peaks that so few directions cannot show for light that goes on (Wiscombe 1977), and radiance of beams that
-        was scattered once by the whole phase function (Nakajima & Tanaka 1988).
+        Whether forward peaks that so few directions cannot resolve count as unscattered light (Wiscombe 1977), and
+        light of beams that was scattered once is computed with the whole phase function (Nakajima & Tanaka 1988).
 
     References
     ----------
@@ -211,9 +214,10 @@ class PlaneStack:
         Parameters
         ----------
         cosine : float, optional
-            Of the beam, in (0, 1], where it comes from; without it light is diffuse (the same radiance from everywhere).
+            Cosine of the beam's direction of incidence, in (0, 1]; without it the light is diffuse (equal radiance
+            from all directions).
         from_below : bool
-            The light comes from below; what returns there is the reflectance.
+            Whether the light comes from below; the reflectance is then the fraction that returns below.
 
         Returns
         -------
@@ -227,20 +231,21 @@ class PlaneStack:
 
     def radiance(self, cosines: npt.ArrayLike, azimuths: npt.ArrayLike = 0.0, *, cosine: Optional[float] = None,
                  from_below: bool = False, layer: Optional[int] = None, depth: npt.ArrayLike = 0.0) -> Reals:
-        """Radiance per irradiance on the stack, in 1/sr: of beams the BRDF and BTDF.
+        """Radiance per irradiance on the stack, in 1/sr; for beams these are the BRDF and the BTDF.
 
         Parameters
         ----------
         cosines : array_like
-            Of directions in which light goes: positive up, negative down.
+            Cosines of the directions of propagation: positive up, negative down.
         azimuths : array_like
             In radians; 0 is the half-plane into which the beam goes, and its mirror image.
         cosine, from_below
-            The light, as in `fluxes`. Of beams the light that was not scattered, a delta, is left out.
+            The light, as in `fluxes`. Unscattered light of beams, a delta, is left out.
         layer : int, optional
-            Within this layer, else the light that leaves the stack, above it for positive cosines.
+            Layer within which the radiance is computed; by default the result is the light that leaves the stack,
+            above it for positive cosines.
         depth : array_like
-            In that layer, from its top, in its unit of length.
+            Depth in that layer, from its top, in its unit of length.
 
         Returns
         -------
@@ -296,7 +301,7 @@ class PlaneStack:
 
 def _thickness(name: str, value: Any) -> Reals:
     try:
-        value = np.where(np.isposinf(value), 1e300, value)  # more than light passes
+        value = np.where(np.isposinf(value), 1e300, value)  # so thick that no light passes
     except (TypeError, ValueError):
         pass  # `real` says what is wrong
     return real(name, value, minimum=0)

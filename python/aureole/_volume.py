@@ -35,8 +35,8 @@ def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
     path : str or path
         The file.
     values : array_like, depth x height x width, or x 1, 3 or 6
-        The value at `values[z, y, x]` is that of the voxel's centre, at ((x + 0.5)/width, (y + 0.5)/height,
-        (z + .5)/depth) of the box. Three numbers are a linear sRGB colour.
+        The value `values[z, y, x]` belongs to the voxel's centre, at ((x + 0.5)/width, (y + 0.5)/height, (z +
+        .5)/depth) of the box. Three numbers are a linear sRGB colour.
     box : two points
         Lowest and highest corner of the box that the voxels fill. `gridvolume` uses it with `use_grid_bbox`.
 
@@ -91,7 +91,7 @@ def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float
     Raises
     ------
     aureole.Error
-        Where the file cannot be read, is none of this format, or truncated.
+        Where the file cannot be read, has another format, or is truncated.
     """
     file = _file(path)
     content = _aureole.read_file(file)

@@ -7,7 +7,7 @@ import re
 #: An element with its attributes, or a bare tag. Text of the user stands in quotes and is left alone.
 _ELEMENT = re.compile(r'(?<!")<(?P<tag>[a-z]+)(?P<attributes>(?:\s+[a-z_]+="[^"]*")*)(?:\s*/|\s+\.\.\.)?>(?!")')
 _ATTRIBUTE = re.compile(r'([a-z_]+)="([^"]*)"')
-#: What bare tags are called where not by their own name.
+#: Names of bare tags in messages, where they differ from the tag.
 _NAMES = {"scene": "the scene", "ref": '{"type": "ref", "id": ...}', "given": "an object of this program", "rgb": '{"type": "rgb", "value": ...}',
           "spectrum": '{"type": "spectrum", "value": ...}', "string": "a string", "boolean": "True or False", "lookat": "look_at"}
 

@@ -3,7 +3,7 @@
 
 All functions broadcast as numpy does, take anything that `numpy.asarray` takes, compute in double precision on all
 cores and can be interrupted. Wrong arguments are an `aureole.Error` or a TypeError that names them. Angles are given
-by their cosines; lengths of openings are metres, those of points are in the caller's unit.
+by their cosines; lengths of openings are in metres, lengths of points are in the caller's unit.
 """
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Mie(NamedTuple):
     qext, qsca, qabs : numpy.ndarray
         Extinction, scattering, and absorption, which is their difference.
     qback : numpy.ndarray
-        Backscattering, 4 pi times the differential one (that of radar).
+        Backscattering as in radar: 4 pi times the differential efficiency.
     g : numpy.ndarray
         Mean cosine of the scattering angle.
     """
@@ -95,7 +95,7 @@ class Fresnel(NamedTuple):
     cos_t : numpy.ndarray of complex128
         Cosine of the refracted direction, complex where the wave decays.
     reflectance, transmittance : numpy.ndarray of float64
-        Parts of the power of unpolarised light that are reflected and that pass the interface. They add up to one.
+        Fractions of the power of unpolarised light that the interface reflects and transmits; their sum is 1.
     """
 
     rs: Complexes
@@ -306,7 +306,8 @@ def slab_powers(cos_theta: npt.ArrayLike, index: npt.ArrayLike, thickness: npt.A
 
 
 def thin_slab_reflectance(cos_theta: npt.ArrayLike, eta: npt.ArrayLike) -> Reals:
-    """Unpolarised power that a lossless slab reflects, all interreflections added as powers: 2 R/(1 + R) of one face's R.
+    """Unpolarised power that a lossless slab reflects, all interreflections added as powers: 2 R/(1 + R) with R of
+    one face.
 
     The slab is thicker than the coherence length of the light; `slab_powers` has interference.
 
@@ -315,7 +316,7 @@ def thin_slab_reflectance(cos_theta: npt.ArrayLike, eta: npt.ArrayLike) -> Reals
     cos_theta : array_like
         Cosine of the angle of incidence, in [0, 1]; rounding errors beyond, up to 1e-6, are clamped.
     eta : array_like
-        Index of the slab over that outside, in [1e-3, 1e3].
+        Index of the slab over the index outside, in [1e-3, 1e3].
 
     Examples
     --------

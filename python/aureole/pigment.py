@@ -156,7 +156,7 @@ def _mapped(function: Any, values: Reals, *before: Any) -> Any:
 
 
 def opaque_reflectance(k_over_s: npt.ArrayLike) -> Any:
-    """Inner reflectance of a layer through which nothing shows, by K/S >= 0.
+    """Inner reflectance of an opaque layer with a given K/S >= 0.
 
     Examples
     --------
@@ -189,7 +189,7 @@ class Surface(NamedTuple):
 
 
 def surface(geometry: str = "diffuse", *, index: float = 1.5, specular: str = "excluded", alpha: float = 0) -> Surface:
-    """The interface to a binder of this index.
+    """Returns the interface to a binder of this index.
 
     Parameters
     ----------
@@ -217,7 +217,8 @@ def saunderson(k1: float, k2: float, *, specular: str = "included") -> Surface:
 
 
 class TwoFluxError(NamedTuple):
-    """R and L* of layers by transport, and the excess of Kubelka and Munk's over them; NaN where their S is negative."""
+    """R and L* of layers by transport, and the differences of Kubelka and Munk's results from them; NaN where S is
+    negative."""
 
     reflectance: Reals
     error: Reals
@@ -238,11 +239,11 @@ def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.Array
     g : array_like
         Mean cosine of Henyey and Greenstein's phase function, in [-0.99, 0.99].
     index : float
-        Of the layer, in [1, 10]; 1 is no interface. Kubelka and Munk get Saunderson's for it.
+        Of the layer, in [1, 10]; 1: no interface. Kubelka and Munk's results include it by Saunderson's correction.
     substrate : float
         Reflectance of the Lambertian surface below, in [0, 1].
     convention : str
-        By which S comes from sigma_s and g: "three_quarters", "diffusion" or "double_gauss" (docs/pigments.md).
+        How S follows from sigma_s and g: "three_quarters", "diffusion" or "double_gauss" (docs/pigments.md).
 
     Examples
     --------
@@ -375,7 +376,8 @@ class Comparison(NamedTuple):
 def compare(nm: npt.ArrayLike, standard: npt.ArrayLike, sample: npt.ArrayLike, *, illuminant: str = "D65",
             others: Sequence[str] = ("A", "F11"), cmc: Tuple[float, float] = (2, 1), textiles: bool = False,
             white: Union[npt.ArrayLike, None] = None, surface: Surface = Surface()) -> Comparison:
-    """The figures of the trade for a measured sample and its standard, as `aureole pigment colour` prints them.
+    """The common figures of the paint trade for a measured sample and its standard, as `aureole pigment colour`
+    prints them.
 
     Parameters
     ----------
@@ -388,11 +390,11 @@ def compare(nm: npt.ArrayLike, standard: npt.ArrayLike, sample: npt.ArrayLike, *
     cmc : tuple of float
         l and c of CMC(l:c).
     textiles : bool
-        CIE94 with the factors of textiles instead of those of graphic arts.
+        CIE94 with the factors of textiles instead of the factors of graphic arts.
     white : array_like, optional
         Reflectance without colorant, whose K/S is subtracted for the strength.
     surface : Surface
-        The interface through which all were measured; K/S is of the reflectance below it.
+        The interface through which all were measured; K/S belongs to the reflectance below it.
 
     Examples
     --------
@@ -438,7 +440,8 @@ class Paint:
         return np.asarray(self.surface.outer(np.minimum(inner, 1.0)))
 
     def contrast_ratio(self, thickness: float, *, black: float = 0.0, white: float = 0.8, illuminant: str = "D65") -> float:
-        """Luminous reflectance over black, divided by that over white, substrates of these inner reflectances."""
+        """Luminous reflectance over a black substrate divided by the one over a white substrate, given by their inner
+        reflectances."""
         dark, bright = scalar("black", black, minimum=0, maximum=1), scalar("white", white, minimum=0, maximum=1)
         if not bright > dark:
             raise Error("white: must reflect more than black")
@@ -467,7 +470,7 @@ class Paint:
 
 
     def spreading_rate(self, solids: float, *, ratio: float = 0.98, black: float = 0.0, white: float = 0.8, illuminant: str = "D65") -> float:
-        """Area that a litre of wet paint hides [m^2], at this contrast ratio; of a paint with K and S in 1/m.
+        """Area that a litre of wet paint hides [m^2], at this contrast ratio; for a paint with K and S in 1/m.
 
         `solids` is the volume of the dry film per volume of wet paint, in (0, 1].
         """
@@ -481,14 +484,14 @@ def grain_names() -> List[str]:
 
 
 def grain_index(material: str, nm: npt.ArrayLike) -> npt.NDArray[np.complex128]:
-    """Index n + i k of a pigment or filler by name, such as "rutile"; of crystals the mean over directions.
+    """Index n + i k of a pigment or filler by name, such as "rutile"; for crystals the mean over directions.
 
     Parameters
     ----------
     material : str
         One of `grain_names`; case is ignored.
     nm : array_like
-        Wavelength in vacuum. Outside the range of the source the value at its limit holds.
+        Wavelength in vacuum. Outside the range of the source the value at its limit is returned.
 
     Examples
     --------
@@ -514,11 +517,11 @@ def paint_of_grains(nm: npt.ArrayLike, index: Union[str, npt.ArrayLike], radius:
     nm : array_like
         Increasing wavelengths in vacuum.
     index : str or array_like
-        Of the grains: a name of `grain_names`, or n + i k, one for all or one for each wavelength.
+        Index of the grains: a name of `grain_names`, or n + i k, one for all or one for each wavelength.
     radius : float
-        In m; with a spread the median.
+        Radius in m; the median where there is a spread.
     fraction : float
-        Of the volume that the grains fill, in (0, 0.74]; 0.6 with `hard_spheres`.
+        Fraction of the volume that the grains fill, in (0, 0.74], or (0, 0.6] with `hard_spheres`.
     binder : array_like
         Real index of the binder, one for all or one for each wavelength.
     spread : float
@@ -576,7 +579,7 @@ class Match:
     metamerism : dict
         CIEDE2000 under the other illuminants, if the target is a reflectance.
     rms : float
-        Of the difference in reflectance, if the target is one.
+        Rms of the difference in reflectance, if the target is a reflectance.
     reflectance : numpy.ndarray
     cost : float
         Per mass of the mixture; 0 without prices.
@@ -614,7 +617,7 @@ class Palette:
     relative : bool
         K and S have no unit of length: they are relative to S of the white, or per film (`joint_fit`). Else per metre.
     surface : Surface
-        What the measurements were seen through.
+        Interface through which the paints were measured.
     density : numpy.ndarray
         Mass per volume of each paint, relative; empty where K and S add up by mass rather than by volume.
     """
@@ -677,7 +680,7 @@ class Palette:
             Three numbers: L*, a*, b* under `illuminant`. As many as wavelengths: an outer reflectance, which is also
             compared under `others`.
         paints, solutions : int
-            Most paints of a recipe, 1 to 6; most recipes.
+            Largest number of paints of a recipe, 1 to 6, and of recipes.
         least, most : mapping of str to float
             Bounds of a paint's share.
         by : str
@@ -695,7 +698,7 @@ class Palette:
         opacity : float
             Least contrast ratio over black and white (0.8) at that thickness.
         trade_offs : bool
-            Return recipes with a difference of at most `within` of which no other one is better in colour, cost and
+            Return recipes with a difference of at most `within` that no other recipe surpasses in colour, cost and
             metamerism at once.
         """
         wanted = real("target", target)
@@ -738,7 +741,7 @@ class Palette:
 
 @contextlib.contextmanager
 def _table(file: Union[str, "os.PathLike[str]"]) -> Iterator[str]:
-    """The file's name; of a spreadsheet that of its first sheet as text."""
+    """Yields the name of the file; for a spreadsheet the name of a temporary text file with its first sheet."""
     name = os.fspath(file)
     if os.path.splitext(name)[1].lower() not in (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods"):
         yield name
@@ -806,9 +809,9 @@ class Specimen:
     ----------
     name : str
     rms : float
-        Of fitted minus measured reflectance; from 0.005 on it is an outlier.
+        Rms of fitted minus measured reflectance; from 0.005 on the specimen is an outlier.
     weight : float
-        In the fit; below 1: down-weighted.
+        Weight in the fit; below 1: down-weighted.
     thickness, thickness_error : float
         Fitted over stated, or over the common thickness.
     amounts : dict
@@ -868,12 +871,12 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     file : str or path, or a sequence of them
         As for `fit`; films over cards need no thickness.
     theory : str
-        "two-flux", or "streams" with the mean cosine `g`. Both in a binder of `index`, seen by an instrument of `geometry`
-        ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"); two fluxes also through any `surface`.
-        K and S of streams are 2 sigma_a and 3/4 sigma_s (1 - g); a warning says that mixtures, matches and hiding power, which
-        use two fluxes, are worse with them. Where neither `geometry` nor `surface` is given, the geometry
-        that the file states (CxF, CGATS) is taken, with a warning; without one, two fluxes have no interface and streams are
-        those of d8, gloss excluded.
+        "two-flux", or "streams" with the mean cosine `g`. Both assume a binder of `index`, measured by an instrument
+        of `geometry` ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"); two fluxes can
+        assume any `surface` instead. K and S of streams are 2 sigma_a and 3/4 sigma_s (1 - g); a warning says that
+        mixtures, matches and hiding power, which use two fluxes, are worse with them. Where neither `geometry` nor
+        `surface` is given, the geometry that the file states (CxF, CGATS) is taken, with a warning; without one, two
+        fluxes have no interface and streams assume d8, gloss excluded.
     g_error : float
         Relative error of 1 - g of each paint, which is then an unknown; with 0 `g` holds for all paints.
     noise, relative_noise : float

@@ -249,14 +249,14 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     Parameters
     ----------
     bsdf : aureole.Bsdf, optional
-        The layer, such as ``correlated_scatterers``, or an object with ``eval``, ``sample`` and ``pdf``; or the next
-        four.
+        The layer, such as ``correlated_scatterers``, or an object with ``eval``, ``sample`` and ``pdf``; without it
+        the next four parameters describe the layer.
     radius : str or float
-        Of the scatterers: with its unit ("5um"), or in m.
+        Radius of the scatterers: with its unit ("5um"), or in m.
     area_fraction : float
         Part of the plane that they cover.
     correlation : str, optional
-        How their places depend on one another: "percus_yevick" (default) or "poisson".
+        Correlation of their positions: "percus_yevick" (default) or "poisson".
     scatterer : str, optional
         "apertures" (default) or "discs".
     lamp : str, float or (array_like, array_like)
@@ -264,13 +264,13 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     lamp_diameter : float
         In degrees; 0 for a point. The sun's and the moon's is 0.5.
     field : float, optional
-        Half the width of the picture in degrees; as many as show three rings where the radius is known.
+        Half the width of the picture in degrees; by default it shows three rings where the radius is known.
     exposure : float
         In stops, relative to a picture whose rings are well exposed.
     resolution : int
         Pixels in each direction.
     wavelengths : array_like
-        At which the layer is computed, increasing in nm.
+        Wavelengths at which the layer is computed, increasing in nm.
     ax : matplotlib Axes, optional
 
     Returns
@@ -316,8 +316,7 @@ def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optio
     wavelength : float or array_like of shape (n,)
         In nm; each has a curve in its colour.
     azimuth : float
-        In degrees counter-clockwise from the right, in which direction from the lamp; for layers without circular
-        symmetry.
+        Direction from the lamp, in degrees counter-clockwise from the right; for layers without circular symmetry.
     log : bool
         Logarithmic radiance.
     samples : int
@@ -359,7 +358,7 @@ def pair_correlation(r: npt.ArrayLike, g: npt.ArrayLike, error: Optional[npt.Arr
     Parameters
     ----------
     r, g : array_like, shape (n,)
-        Distances of pairs, and their density relative to that of independent places.
+        Distances of pairs, and their density relative to independent positions.
     error : float or array_like of shape (n,), optional
         Standard error of g; the band is one of them to either side.
     label : str, optional

@@ -163,8 +163,8 @@ def to_xyz(wavelengths: npt.ArrayLike, values: npt.ArrayLike, illuminant: Option
         the luminance in photometric units). Otherwise they are reflectances under a light, by name or by values at
         `wavelengths`, and a reflectance of one has Y = 1.
     outside : {"zero", "nearest"}
-        How spectra go on beyond their first and last wavelength: as 0, which is the renderer's rule, or as their value
-        there, which is better for reflectances measured over a part of the visible.
+        How spectra continue beyond their first and last wavelength: as 0, which is the renderer's rule, or as their
+        value there, which is better for reflectances measured over a part of the visible.
 
     Returns
     -------
@@ -256,12 +256,13 @@ def upsample(rgb: npt.ArrayLike, wavelength: npt.ArrayLike, *, unbounded: bool =
     rgb : array_like, shape (..., 3)
         Linear sRGB, in [0, 1]; not negative and up to 1e30 with `unbounded`.
     wavelength : array_like
-        In nm; outside of 360-830 nm the spectrum goes on with its value at the end.
+        In nm; outside of 360-830 nm the spectrum keeps its value at the end.
     unbounded : bool
-        The spectrum is scaled to the colour's largest component: that of an emitter, to be multiplied by D65.
+        The spectrum is scaled to the colour's largest component, as for an emitter, whose spectrum is multiplied by
+        D65.
     method : {"fit", "table"}
-        Of colours in scene files, within Delta E (CIE 1976) 0.002 and some 20 us for each; or of textures, from a table, within
-        Delta E 0.25.
+        "fit" is used for colours in scene files, with a Delta E (CIE 1976) below 0.002 and some 20 us for each;
+        "table" for textures, with a Delta E below 0.25.
 
     Returns
     -------
@@ -322,9 +323,9 @@ def refractive_index(name: str, wavelength: npt.ArrayLike, *, dispersion: bool =
     name : str
         Such as "bk7", "water" or "Au"; case is ignored. `materials` lists them.
     wavelength : array_like
-        In nm, in vacuum; within the range of the data, which the error names and `material` tells.
+        In nm, in vacuum; within the range of the data, which the error states and `material` returns.
     dispersion : bool
-        False: dielectrics have the constant index that Mitsuba has under the name, or else that at 589.3 nm.
+        False: dielectrics have the constant index that Mitsuba has under the name, or else the index at 589.3 nm.
 
     Returns
     -------
@@ -405,15 +406,16 @@ def _weights(nm: Reals, light: Any, nearest: bool) -> Reals:
     total = np.zeros(3)
     weights: Reals = np.zeros((nm.size, 3))
     middles = 0.5 * (low + high)
-    # The neighbours in `nm` of each piece. Beyond its ends they are one and the same.
+    # The neighbours in `nm` of each piece. Beyond the ends of `nm` both are the end.
     right = np.searchsorted(nm, middles)
     outside = (right == 0) | (right == nm.size)
     left = np.clip(right - 1, 0, nm.size - 1)
     right = np.minimum(right, nm.size - 1)
     distance = np.where(outside, 1.0, nm[right] - nm[left])
     for x, share in ((low, 1.0), (middles, 4.0), (high, 1.0)):
-        # The light of a name goes on as 0, that of a spectrum as the spectrum does. Its ends, where it may jump to 0,
-        # are ends of pieces, so that the middle of a piece tells on which side it is.
+        # A named light is 0 beyond its table; a light given by values continues like the spectra. The ends of the
+        # light, where it may jump to 0, are ends of pieces, so that the middle of a piece decides on which side it
+        # lies.
         power = np.interp(x, light_at, light_values)
         if light is not None and not (nearest and not isinstance(light, str)):
             power = np.where((middles < light_at[0]) | (middles > light_at[-1]), 0.0, power)

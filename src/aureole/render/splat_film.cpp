@@ -151,8 +151,8 @@ void SplatFilm::set_weights(RenderState& state) const {
     paths[size_t(u.replicate)] += u.samples() * blocks;
   };
   for (const UnitRanges::Range& range : state.done.ranges()) {
-    // A whole block of kSampleBlock samples has as many units in every picture. The last block of a picture
-    // may be cut short.
+    // Whole blocks of kSampleBlock samples have equal numbers of samples in the units of all pictures, so that they
+    // are counted together. The last block may be shorter.
     const std::int64_t last_whole = (state.end - state.begin) / kSampleBlock * per_block;
     const std::int64_t first = (range.begin + per_block - 1) / per_block * per_block,
                        last = std::min(range.end, last_whole) / per_block * per_block;
