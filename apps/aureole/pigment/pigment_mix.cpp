@@ -42,7 +42,7 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
-/// Returns the palette with the interface that options state, in its streams.
+/// Returns the palette of the model with streams, with its interface replaced by the one that options state.
 pigment::Palette with_interface(pigment::Palette palette, const SurfaceOptions& surface) {
   if (!surface.given()) return palette;
   pigment::PaletteStreams& s = *palette.streams;

@@ -229,8 +229,8 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
         }
     }
     // K becomes K (1 + K (p_i + p_o)): the error of sums over nodes is corrected mainly at peaks, where K is
-    // largest, while their tails keep their values. Each step towards p halves the error of each direction,
-    // as do those below. p is bounded, so that no value changes by more than half of itself.
+    // largest, while their tails keep their values. Each iteration halves the error of each direction. p is
+    // bounded, so that no value changes by more than half of itself.
     for (int iteration = 0; iteration < 500; ++iteration) {
       double worst = 0;
       std::vector<double> next(all);
