@@ -280,9 +280,8 @@ private:
   Frame axes_;
   Vec3 sun_;  ///< direction to the sun in local coordinates
   SkyModel model_;
-  ChannelTable horizon_,
-      /// table over the square roots of the cosine and of the angle to the sun: fine near horizon and sun
-      glow_;
+  /// `glow_` is a table over the square roots of the cosine and of the angle to the sun: fine near horizon and sun
+  ChannelTable horizon_, glow_;
   Channels zenith_gain_;
   float sky_scale_, sun_scale_;
   bool complex_sun_;

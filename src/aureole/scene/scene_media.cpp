@@ -53,10 +53,9 @@ const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const
   // tried.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
-    InteriorList
-        // bodies with a rank that the ray has entered: surfaces within them do not determine the medium
-        // around the origin
-        entered;
+    // bodies with a rank that the ray has entered: surfaces within them do not determine the medium around the
+    // origin
+    InteriorList entered;
     const auto judge = [&](const SurfacePoint& point) -> std::optional<const Medium*> {
       const Surface& s = *point.surface;
       const InteriorList::Body body{&s, point.instance};

@@ -24,10 +24,9 @@ inline std::optional<Equiangular> equiangular_positions(const Scene& scene, cons
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
   const Equiangular positions(ray, t_max + state.offset, box.center(), 0.5f * length(box.diagonal()));
-  constexpr float
-      kNear = 1,
-      // greatest optical depth to the pivot, by measurement (docs/decisions/0065-equiangular-sampling.md)
-      kReach = 4;
+  // Largest optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md): of the distance of the
+  // light from the ray, and along the ray to the point nearest to the light.
+  constexpr float kNear = 1, kReach = 4;
   const float sigma = mean(state.medium->majorant(state.ray.d, w)) * state.medium->majorants().max_bound();
   if (!positions.is_valid() || !(sigma * positions.distance() < kNear) ||
       !(sigma * positions.nearest() < kReach))

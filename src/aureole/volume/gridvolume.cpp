@@ -127,7 +127,8 @@ private:
     const double count = double(grid.size[0]) * grid.size[1] * grid.size[2];
     if (channels != 1)
       require_memory(p, count * (colors ? sizeof(UpsampledColor) : sizeof(float) * std::size_t(channels)));
-    // A raw file's numbers are used as they are; .vol files keep the treatment that scenes of media rely on.
+    // With `raw` numbers are used as the file states them; .vol files keep the treatment that scenes of media
+    // rely on.
     const bool is_exact = raw && grid.has_transform && grid.format != ".vol";
     const bool is_denoised = colors || (channels == 1 && !is_exact);
     const std::array<float, 2> range = grid.range();

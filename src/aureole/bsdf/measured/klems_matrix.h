@@ -53,9 +53,8 @@ struct KlemsMatrix {
 /// Faults of a file that are noted, not repaired.
 struct WindowNotes {
   std::size_t negative = 0;  ///< number of values below zero, which count as zero
-  bool reversed_front = false,
-       /// the transmission of the back side was missing and taken from the front side
-      reversed_back = false;
+  /// whether the transmission of a side was missing and was taken from the other side
+  bool reversed_front = false, reversed_back = false;
 };
 
 /// A sheet with matrices for both sides. Index 0: light that arrives on the side of +z, which is the file's back (inside);

@@ -49,10 +49,8 @@ private:
   };
   /// Incident directions that share the outgoing cells, or that are divided further.
   struct Incident {
-    std::uint32_t
-        first = 0,
-        /// index of the first cell and number of cells; count 0: `first` is the index of the first child
-        count = 0;
+    /// index of the first cell and number of cells; count 0: `first` is the index of the first child
+    std::uint32_t first = 0, count = 0;
     float power = 0;
   };
   struct Item;
@@ -60,9 +58,8 @@ private:
   void distribute(std::uint32_t into, const std::vector<Item>& items, const SourceLocation& where);
   struct Position {
     std::array<float, 4> x{};
-    float cos_phi = 1,
-          /// for rank 3, cosine and sine of the azimuth of the opposite of the incident direction
-        sin_phi = 0;
+    /// for rank 3, cosine and sine of the azimuth of the opposite of the incident direction
+    float cos_phi = 1, sin_phi = 0;
   };
   Position incident_position(const Vec3& incident) const;
   const Incident& incident_cell(const Position& p) const;

@@ -12,10 +12,9 @@ namespace aureole {
 
 struct KlemsWriterSettings {
   std::string basis = "LBNL/Klems Full";
-  int samples =
-      /// samples of the BSDF for each incident patch and side; a quarter as many uniform directions for each
-      /// pair of patches
-      1024;
+  /// samples of the BSDF for each incident patch and side; a quarter as many uniform directions for each pair
+  /// of patches
+  int samples = 1024;
   std::string name, manufacturer;
 };
 /// Means over pairs of patches, by samples of the BSDF, with delta lobes; the visible range under CIE D65 for the observer

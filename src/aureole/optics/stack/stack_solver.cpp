@@ -179,9 +179,8 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
 }
 
 Matrix StackSolver::unscattered(int channel, bool scaled) const {
-  constexpr double kTotal =
-      // factor below 1, which prevents a division by 0 for light trapped in clear glass, whose power is 0
-      1 - 1e-12;
+  // factor below 1, which prevents a division by 0 for light trapped in clear glass, whose power is 0
+  constexpr double kTotal = 1 - 1e-12;
   const int levels = last_level() + 1;
   Matrix step = Matrix::Zero(2 * levels, 2 * levels);
   for (int i = 0; i + 1 < levels; ++i) {
