@@ -15,7 +15,7 @@ public:
       : Bsdf(properties),
         opacity_(get_fraction(properties, "opacity", 0.5)),
         nested_(nested_bsdfs(properties, 1).front()) {
-    // A mask of constant opacity 1 or 0 has only the lobes of that case, at no cost.
+    // A mask whose opacity is 1 everywhere, or 0 everywhere, declares only the lobes of that case.
     if (opacity_->maximum() > 0) lobes_ = nested_->lobes();
     if (opacity_->minimum() < 1) lobes_ = lobes_ | kNullLobe;
   }
