@@ -77,7 +77,7 @@ includes:
 words:
 	@tools/check_words.py --root . $(WORDS_ARGS)
 
-# clang-tidy, ruff and shellcheck on files that differ from LINT_BASE (default: main); a tool that is not installed is passed over.
+# ruff and shellcheck, and clang-tidy on C++ that differs from LINT_BASE (default: main); a tool that is not installed is passed over.
 lint:
 	@tools/lint_changed.sh $(LINT_BASE)
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash disable=SC2034
 # Sourced by the other scripts: the scenes that are rendered.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 shared=${AUREOLE_SHARED:-$root/../shared}

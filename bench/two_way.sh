@@ -12,6 +12,6 @@ build/bench/bin/aureole_render_bench --header efficiency
 for scene in caustic indirect_room; do
   for integrator in path ptracer bdpt; do
     build/bench/bin/aureole_render_bench "$scene, $integrator" bench/two_way/$scene.xml -D integrator=$integrator \
-      --spp $([[ $integrator == bdpt ]] && echo 64 || echo 256) --sampler sobol --replicates 16 --repeats "${REPEATS:-3}"
+      --spp "$([[ $integrator == bdpt ]] && echo 64 || echo 256)" --sampler sobol --replicates 16 --repeats "${REPEATS:-3}"
   done
 done

@@ -8,7 +8,7 @@ set -euo pipefail
 repeats=${REPEATS:-3}
 cd "$root"
 for n in 4 8; do
-  folder=build/bench$([[ $n == 4 ]] && echo 4 || true)
+  folder=build/bench$(if [[ $n == 4 ]]; then echo 4; fi)
   cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DAUREOLE_BENCH=ON -DBUILD_TESTING=OFF \
     -DAUREOLE_WAVELENGTHS=$n > /dev/null
   cmake --build "$folder" --target aureole_render_bench >&2

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# lint_changed.sh [BASE]: checks the files that differ from the git revision BASE (default: main, else the commit before), committed or not:
-# C++ of src and apps by clang-tidy, Python by ruff, shell scripts by shellcheck. Where one of these is not installed, says so and goes on.
-# Fails where one of them finds something.
+# lint_changed.sh [BASE]: checks all Python files by ruff and all shell scripts by shellcheck, which take a second, and by clang-tidy the C++
+# of src and apps that differs from the git revision BASE (default: main, else the commit before), committed or not. Where one of these is
+# not installed, says so and goes on. Fails where one of them finds something.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 base=${1:-}
@@ -15,20 +15,20 @@ if [[ -z $base ]]; then
     fi
   done
 fi
-start=$(git merge-base "$base" HEAD)
+start=$(git merge-base "$base" HEAD 2> /dev/null || git rev-parse HEAD)  # a shallow clone does not have the base
 mapfile -t files < <({ git diff --name-only --diff-filter=d "$start" && git ls-files -o --exclude-standard; } | sort -u)
-cpp=() python=() shell=()
+cpp=()
 for file in "${files[@]}"; do
   [[ -f $file ]] || continue
   case $file in
     src/*.cpp | apps/*.cpp) cpp+=("$file") ;;
-    *.py) python+=("$file") ;;
-    *.sh | .ci/*) shell+=("$file") ;;
   esac
 done
-echo "lint: ${#cpp[@]} C++, ${#python[@]} Python, ${#shell[@]} shell files differ from $base"
+mapfile -t shell < <(git ls-files -co --exclude-standard '*.sh' '.ci/*')
+echo "lint: ${#cpp[@]} C++ files differ from $base"
 
 failed=0
+PATH=$PATH:$PWD/.venv/bin  # `make deps` installs ruff and shellcheck there
 has() {
   command -v "$1" > /dev/null && return
   echo "lint: $1 is not installed, its files are not checked"
@@ -48,6 +48,6 @@ if ((${#cpp[@]})) && has clang-tidy; then
     failed=1
   fi
 fi
-if ((${#python[@]})) && has ruff; then ruff check "${python[@]}" || failed=1; fi
-if ((${#shell[@]})) && has shellcheck; then shellcheck "${shell[@]}" || failed=1; fi
+if has ruff; then ruff check . || failed=1; fi
+if has shellcheck; then shellcheck "${shell[@]}" || failed=1; fi
 exit $failed

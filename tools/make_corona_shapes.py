@@ -20,7 +20,7 @@ def curtain(columns=150, rows=16, width=2.4, height=1.7):
 
     grid = [[point(i, j) for i in range(columns)] for j in range(rows)]
     vertices = bytearray()
-    for j, row in enumerate(grid):
+    for row in grid:
         along = 0.0
         for i, p in enumerate(row):
             if i:

@@ -67,7 +67,7 @@ def card_picture(palette, file):
     figure, axes = plt.subplots(rows, columns, figsize=(11, 1.75 * rows), facecolor="#f4f2ec")
     black, white = 0.01, 0.83  # inner reflectance of the cards
     height, width = 90, 240
-    for axis, (index, name) in zip(axes.flat, enumerate(palette.names)):
+    for axis, name in zip(axes.flat, palette.names):
         paint = palette.mix(name)
         levels = np.concatenate([[1e-6], np.geomspace(0.02, 4, 24)])
         thickness = strokes(random, height, width)

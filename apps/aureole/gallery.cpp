@@ -100,8 +100,14 @@ public:
         throw Error(fmt::format("--only {}: there is no such figure{}; figures: {}", id,
                                 did_you_mean(id, ids), fmt::join(ids, ", ")));
     for (const GalleryFigure& f : gallery_.figures)
-      if (a.only.empty() || std::find(a.only.begin(), a.only.end(), f.id) != a.only.end())
-        chosen_.push_back(&f);
+      if (const bool named = std::find(a.only.begin(), a.only.end(), f.id) != a.only.end(); named || a.only.empty()) {
+        if (f.missing.empty())
+          chosen_.push_back(&f);
+        else if (named)
+          throw Error(fmt::format("--only {}: {}", f.id, f.missing));
+        else
+          tell("note: the figure {} is left out: {}\n", f.id, f.missing);
+      }
     check_scenes();
     prepare_folder();
     command_ = fmt::format("aureole gallery {} --size {}", a.name, a.size);
@@ -254,6 +260,7 @@ private:
   void write_page() const {
     GalleryResults valid;
     for (const GalleryFigure& f : gallery_.figures) {
+      if (!f.missing.empty()) continue;
       for_pictures(f, [&](const GalleryPicture& p, const PictureTable&) {
         if (is_done(p, true)) valid.pictures[p.name] = results_.pictures.at(p.name);
       });

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _corona
-from ._arrays import integer, real, scalar, text
+from ._arrays import integer, scalar, text
 from ._errors import Error
 from ._plot_check import check_report
 from ._plot_particles import efficiency, phase_function

@@ -114,6 +114,7 @@ std::vector<std::string> load_figures(const char* name) {
   std::vector<std::string> ids;
   for (const Json& figure : gallery.at("figures")) {
     ids.push_back(figure.at("id"));
+    if (figure.contains("needs") && !fs::exists(folder / figure["needs"].at("file").get<std::string>())) continue;
     for (const Json& table : figure.value("renders", Json::array()))
       for (const Defines& defines : variants(table))
         EXPECT_NO_THROW(load_small(folder / table.at("scene").get<std::string>(), defines)) << ids.back();
@@ -124,6 +125,10 @@ std::vector<std::string> load_figures(const char* name) {
 TEST(PaintGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("paint"),
             (std::vector<std::string>{"chart", "glaze", "varnish", "rutile", "metamers"}));
+}
+
+TEST(VolumesGallery, EverySceneLoads) {
+  EXPECT_EQ(load_figures("volumes"), (std::vector<std::string>{"part", "orbital", "head", "forms", "edges"}));
 }
 
 TEST(DiffractionGallery, EverySceneLoads) {
@@ -293,6 +298,32 @@ TEST_F(GalleryCommand, MakesAPageAndKeepsWhatIsDone) {
   EXPECT_EQ(o.exit_code, 0) << o.output;
   EXPECT_NE(fs::last_write_time(exr), old);
   EXPECT_EQ(page().find("not rendered yet"), std::string::npos);
+}
+
+TEST_F(GalleryCommand, LeavesOutFiguresWhoseDataAreMissing) {
+  Json all = figures();
+  all[0]["needs"] = {{"file", "head.nrrd"}, {"how", "some program makes it"}};
+  all[1].erase("plots");
+  write(all);
+  Outcome o = run();
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(o.output.find("the figure one is left out: "), std::string::npos) << o.output;
+  EXPECT_NE(o.output.find("head.nrrd is missing: some program makes it"), std::string::npos) << o.output;
+  expect_good_page();
+  EXPECT_NE(page().find("Not rendered: "), std::string::npos);
+  EXPECT_FALSE(fs::exists(out() / "one.png"));
+  EXPECT_TRUE(fs::exists(out() / "two-1.png"));
+  o = run({"--only", "one"});
+  EXPECT_EQ(o.exit_code, 2) << o.output;
+  folder.write("scenes/tiny/head.nrrd", "present");
+  o = run();
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_TRUE(fs::exists(out() / "one.png")) << o.output;
+  all[0]["needs"].erase("how");
+  write(all);
+  o = run();
+  EXPECT_EQ(o.exit_code, 2) << o.output;
+  EXPECT_NE(o.output.find("\"how\" is missing"), std::string::npos) << o.output;
 }
 
 TEST_F(GalleryCommand, MakesThePlotsOfDiffraction) {

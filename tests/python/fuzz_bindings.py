@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import argparse
 import collections
-import decimal
+import decimal  # noqa: F401  texts below use it
 import enum
 import faulthandler
-import fractions
+import fractions  # noqa: F401
 import inspect
 import json
 import os
@@ -532,7 +532,7 @@ def case(number, seed, all_targets):
     if key in EXAMPLES and rng.random() < 0.8:
         arguments = list(rng.choice(EXAMPLES[key]))
         given = {p for p, _ in parameters[:len([a for a in arguments if not re.match(r"\w+=", a)])]}
-        for p, keyword in parameters:
+        for p, _ in parameters:
             if p not in given and p in VALID and VALID[p] and rng.random() < 0.25 and not any(a.startswith(p + "=") for a in arguments) and not private:
                 arguments.append(f"{p}={rng.choice(VALID[p])}")
     else:

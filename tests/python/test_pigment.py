@@ -306,7 +306,7 @@ def test_wrong_grains(change, message):
         pigment.paint_of_grains(**{**right, **change})
 
 
-def test_grains_by_name():
+def test_index_of_grains_by_name():
     assert "rutile" in pigment.grain_names() and "titanium white" in pigment.grain_names()
     n = pigment.grain_index("Titanium White", [[500, 589.3]])
     assert n.shape == (1, 2) and n[0, 1].real == pytest.approx((2 * 2.613 + 2.909) / 3, abs=4e-3)

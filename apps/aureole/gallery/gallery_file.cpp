@@ -290,6 +290,12 @@ Gallery read_gallery(const std::filesystem::path& folder) {
     f.counterpart = m.text("counterpart", "");
     f.caption = m.text("caption");
     f.agreement = m.text("agreement", "");
+    if (m.has("needs")) {
+      Members needs = m.member("needs");
+      const std::string needed = needs.text("file"), how = needs.text("how");
+      if (!std::filesystem::exists(folder / needed)) f.missing = (folder / needed).string() + " is missing: " + how;
+      needs.finish();
+    }
     auto tables = m.list_if("renders");
     for (std::size_t i = 0; i < tables.size(); ++i)
       f.tables.push_back(

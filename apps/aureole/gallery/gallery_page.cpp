@@ -123,6 +123,7 @@ private:
     out_ += fmt::format("<section id=\"{}\">\n<h2><small>{}</small>{}</h2>\n", f.id, escaped(f.counterpart),
                         escaped(f.title));
     paragraphs(f.caption);
+    if (!f.missing.empty()) paragraphs("Not rendered: " + f.missing);
     double seconds = 0;
     for (const PictureTable& t : f.tables) seconds += table(t);
     for (const GalleryPlot& p : f.plots) seconds += plot(p);
