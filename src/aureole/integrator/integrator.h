@@ -50,6 +50,9 @@ public:
   /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot
   /// follow.
   virtual void require_scene(const Scene&) const {}
+  /// Notes on objects and parameters that the integrator does not show or use, each with its place in the file. Throws nothing
+  /// for scenes that `require_scene` refuses.
+  virtual std::vector<std::string> scene_notes(const Scene&) const { return {}; }
   /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
   /// paths belong to no pixel.
   virtual std::vector<std::string> aov_names() const { return {}; }

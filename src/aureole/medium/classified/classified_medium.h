@@ -42,6 +42,7 @@ public:
     return classification_.mean(p, from, to);
   }
 
+  bool is_clipped() const { return !planes_.empty(); }
   /// Whether the colour is that of emitted light; else it is the single-scattering albedo.
   bool color_emits() const { return color_emits_; }
   /// Opacity of a layer of the thickness `unit()` and this extinction.
