@@ -141,6 +141,22 @@ TEST(Dvr, SingleScatteringOfASlab) {
   EXPECT_NEAR(mean, exact, 4 * error + 2e-3 * exact);
 }
 
+// Noisy light of a sky is no reason to halve the steps; `path` finds the same light.
+TEST(Dvr, SingleScatteringUnderASky) {
+  const VolumeFolder folder;
+  const std::string content = ball(folder, text("extinction", "0 0, 1 6") + text("color_is", "albedo"), 16) +
+                              R"(<emitter type="constant"><spectrum name="radiance" value="2"/></emitter>)";
+  const std::string method = text("method", "single_scattering"),
+                    measures = R"(<boolean name="measures" value="true"/>)";
+  const auto steps = scene_of(dvr(method + measures), content),
+             paths = scene_of(R"(path"><integer name="max_scattering" value="1"/>)", content);
+  EXPECT_LE(look(steps, kOblique).measures[3], 64);  // at most the diagonal in steps of half a voxel
+  const auto found = mean_radiance(steps, kOblique, 1024, true),
+             expected = mean_radiance(paths, kOblique, 4096, true);
+  EXPECT_LT(found.error, 0.01 * expected.mean);
+  EXPECT_NEAR(found.mean, expected.mean, 4 * std::hypot(found.error, expected.error));
+}
+
 TEST(Dvr, Projections) {
   const VolumeFolder folder;
   const auto render = [&](const std::string& method) {
@@ -392,13 +408,131 @@ TEST(Dvr, ColouredEmissionIsThatOfPath) {
   EXPECT_NEAR(mean, expected, 4 * error);
 }
 
+// Steps add up to the length of the ray, however short they are.
+TEST(Dvr, ShortStepsAddUp) {
+  const VolumeFolder folder;
+  const std::string content = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("extinction", "0 2"));
+  for (const double step : {1e-3, 1e-4, 1e-5, 0.0}) {
+    const std::string parameters =
+        number("step", step > 0 ? step : 1.0 / 300) + "<boolean name=\"measures\" value=\"true\"/>";
+    EXPECT_NEAR(look(scene_of(dvr(text("method", "average") + parameters), content), kAlongX).measures[1], 1,
+                2e-6);
+    for (const char* order : {"front_to_back", "back_to_front"})  // both loops
+      EXPECT_NEAR(look(scene_of(dvr(text("order", order) + parameters), content), kAlongX).measures[0], 2,
+                  1e-4)
+          << step << order;
+  }
+}
+
+// A preset of CT or MR has the opacities of 1 mm, whatever the unit of the scene.
+TEST(Dvr, PresetsHaveTheOpacitiesOfAMillimetre) {
+  const VolumeFolder folder;
+  const std::vector<float> bone(8, 700);  // ct_bone: the opacity 0.5
+  const auto alpha = [&](const std::string& unit, double thickness, const std::string& parameters) {
+    const std::string content =
+        volume_of(folder, "bone", {2, 2, 2}, bone,
+                  parameters + text("clip_box", "0 0 0 1 1 " + std::to_string(thickness)));
+    return look(scene_of(dvr(""), text("length_unit", unit) + content), kAlongZ).alpha;
+  };
+  const std::string preset = text("preset", "ct_bone");
+  EXPECT_NEAR(alpha("mm", 0.5, preset), 1 - std::sqrt(0.5), 1e-5);
+  EXPECT_NEAR(alpha("cm", 0.1, preset), 0.5, 1e-5);
+  EXPECT_NEAR(alpha("m", 0.002, preset), 0.75, 1e-4);
+  EXPECT_NEAR(alpha("cm", 0.5, preset + number("opacity_unit_length", 1)), 1 - std::sqrt(0.5), 1e-5);
+  // Opacities of one's own are those of a unit of the scene, also with the colours of a preset.
+  EXPECT_NEAR(alpha("cm", 0.5, preset + text("opacity", "0 0.3")), 1 - std::sqrt(0.7), 1e-5);
+  // Layers of the methods that know no steps.
+  const std::string whole = volume_of(folder, "bone", {2, 2, 2}, bone, preset);
+  for (const char* unit : {"mm", "cm"})
+    EXPECT_NEAR(look(scene_of(dvr(text("method", "mip")), text("length_unit", unit) + whole), kAlongZ).alpha,
+                0.5, 1e-5);
+  // Classes of both kinds need a length for all.
+  const std::string labels =
+      write_bytes(folder.path() / "labels.vol", make_vol({2, 1, 1}, 1, {1, 2}).bytes()).string();
+  const std::string mixed = R"(<volume type="gridvolume" name="mask"><string name="filename" value=")" +
+                            labels + R"("/></volume>)" + text("preset", "1: ct_bone") +
+                            text("opacity", "2: 0 0.3");
+  const auto problem_in = [&](const std::string& unit, const std::string& more) {
+    return problem(dvr(""),
+                   text("length_unit", unit) + volume_of(folder, "bone", {2, 2, 2}, bone, mixed + more));
+  };
+  EXPECT_EQ(problem_in("mm", ""), "");
+  EXPECT_NE(problem_in("cm", "").find("state \"opacity_unit_length\" for all"), std::string::npos)
+      << problem_in("cm", "");
+  EXPECT_EQ(problem_in("cm", number("opacity_unit_length", 0.1)), "");
+}
+
+// Parameters without an effect are noted when the scene is loaded.
+TEST(Dvr, WhatHasNoEffectIsNoted) {
+  const VolumeFolder folder;
+  const auto notes = [&](const std::string& integrator, const std::string& parameters,
+                         const std::string& more = "") {
+    const auto scene =
+        scene_of(integrator,
+                 volume_of(folder, "slab", {2, 2, 2}, kOnes, text("opacity", "0 0.5") + parameters) + more);
+    std::string all;
+    for (const std::string& note : scene.notes) all += note + "\n";
+    return all;
+  };
+  const std::string sun = R"(<emitter type="directional"/>)", lit = text("lighting", "gradient");
+  const auto expect = [](const std::string& all, const std::string& part) {
+    EXPECT_NE(all.find(part), std::string::npos) << all << "lacks " << part;
+    EXPECT_NE(all.find("dvr.xml:"), std::string::npos) << all;
+  };
+  EXPECT_EQ(notes(dvr(""), ""), "");
+  EXPECT_EQ(notes(dvr(lit), number("diffuse", 0.5), sun), "");
+  const std::string surface = text("method", "isosurface") + text("isovalues", "7");
+  expect(notes(dvr(surface), ""), "the surface of 7 is not seen");
+  expect(notes(R"(aov"><string name="aovs" value="dd:depth"/><integrator type="dvr">)" + surface +
+                   "</integrator>",
+               ""),
+         "the surface of 7 is not seen");
+  expect(notes(dvr(lit), ""), "the scene has no light");
+  expect(notes(dvr(""), number("shininess", 3)), "\"shininess\" of \"classified\": has no effect without");
+  EXPECT_EQ(notes(dvr(text("method", "mip")), number("shininess", 3)), "");
+  expect(notes(dvr(""), R"(<phase type="hg"/>)"), "the phase function has no effect");
+  expect(notes(dvr(lit), text("color_is", "albedo") + number("sampling_weight", 2), sun), "emits no light");
+  expect(notes(dvr(""), text("clip_planes", "0 0 1 -5, 0 0 2 4")),
+         "nothing of the volume is left where (0, 0, 1) . p >= 2");
+  EXPECT_EQ(notes(dvr(""), text("clip_planes", "0 0 1 0.5")), "");
+  // A shape without a BSDF is a diffuse body.
+  std::string body = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("opacity", "0 0.5"));
+  const std::string null = R"(<bsdf type="null"/>)";
+  body.erase(body.find(null), null.size());
+  const auto of_body = scene_of(dvr(""), body).notes;
+  ASSERT_EQ(of_body.size(), 1u);
+  expect(of_body[0], "<bsdf type=\"null\"/> shows it");
+  // A shape in half of the volume: other integrators show less.
+  const std::string file = (folder.path() / "slab.vol").string();
+  const auto within = [&](double scale) {
+    std::string grid = grid_xml(file);
+    grid.insert(grid.find(' '), R"( name="value")");
+    const auto scene = scene_of(
+        dvr(""), R"(<shape type="cube"><transform name="to_world"><scale value=")" + std::to_string(scale) +
+                     R"("/><translate x="0.5" y="0.5" z="0.5"/></transform><bsdf type="null"/>
+        <medium type="classified" name="interior">)" +
+                     grid + text("opacity", "0 0.5") + "</medium></shape>");
+    return scene.notes.empty() ? "" : scene.notes.front();
+  };
+  expect(within(0.2),
+         "the volume reaches from (0.25, 0.25, 0.25) to (0.75, 0.75, 0.75), beyond the shape that holds it, "
+         "which reaches from (0.3, 0.3, 0.3) to (0.7, 0.7, 0.7)");
+  EXPECT_EQ(within(0.25), "");  // half a voxel around the centres counts as rounding
+  EXPECT_EQ(within(0.55), "");
+}
+
 TEST(Dvr, BadInputIsLocated) {
   const VolumeFolder folder;
   const auto medium = [&](const std::string& parameters) {
     return problem(dvr(""), volume_of(folder, "slab", {2, 2, 2}, kOnes, parameters));
   };
   EXPECT_NE(medium("").find("dvr.xml:"), std::string::npos);
-  EXPECT_NE(medium("").find("give \"opacity\""), std::string::npos);
+  EXPECT_NE(medium("").find("parameter \"opacity\" of \"classified\": is missing: give \"opacity\""),
+            std::string::npos)
+      << medium("");
+  EXPECT_NE(
+      medium(text("preset", "generic") + text("color_encoding", "srgb")).find("colour maps and presets"),
+      std::string::npos);
   EXPECT_NE(medium(text("opacity", "1 0, 0 0.5")).find("must ascend, but 0 follows 1"), std::string::npos);
   EXPECT_NE(medium(text("opacity", "0 0, 1 1.5")).find("from 0 to 1"), std::string::npos);
   EXPECT_NE(medium(text("opacity", "0 0, 1")).find("found 3 numbers"), std::string::npos);
@@ -424,6 +558,12 @@ TEST(Dvr, BadInputIsLocated) {
       R"(<shape type="sphere"><bsdf type="null"/><medium type="homogeneous" name="interior"/></shape>)";
   EXPECT_NE(problem(dvr(""), good + fog).find("of the type \"classified\" alone"), std::string::npos)
       << problem(dvr(""), good + fog);
+  std::vector<float> colours;
+  for (int i = 0; i < 24; ++i) colours.push_back(float(i % 3) / 4);
+  std::string colored = volume_of(folder, "slab", {2, 2, 2}, kOnes, text("opacity", "0 0.5"));
+  write_bytes(folder.path() / "slab.vol", make_vol({2, 2, 2}, 3, colours).bytes());
+  EXPECT_NE(problem(dvr(""), colored).find("holds colours; one number"), std::string::npos)
+      << problem(dvr(""), colored);
   std::vector<float> broken = kOnes;
   broken[3] = std::nanf("");
   EXPECT_NE(problem(dvr(""), volume_of(folder, "nan", {2, 2, 2}, broken, text("opacity", "0 0.5")))

@@ -108,7 +108,7 @@ TEST(GridFiles, VoxelsLieAndCountAsOtherProgramsRead) {
       EXPECT_NEAR(m[a][0] * i + m[a][1] * j + m[a][2] * k + m[a][3], line.world_mm[a], 1e-6 * kHeadSizeMm)
           << line.text;
   }
-  EXPECT_EQ(files, 118);
+  EXPECT_EQ(files, 126);
 }
 
 // Formats that can state where a grid lies, with one grid.
@@ -424,6 +424,79 @@ TEST(GridFiles, BadArraysAndPictures) {
     fs::copy_file(heads() / "series8.tif", folder.path() / (std::string("s") + number + ".tif"));
   expect_part(error_thrown_by([&] { read_scalar_grid(folder.path() / "s1.tif", o); }),
               "a gap or a number twice");
+}
+
+/// The notes of a grid of a scene, a line each.
+std::string notes_of_grid(const fs::path& file, const std::string& parameters = "") {
+  Diagnostics diagnostics;
+  testing::build<Volume>(grid_xml(file, parameters), millimetres(&diagnostics));
+  std::string all;
+  for (const std::string& note : diagnostics.notes()) all += note + "\n";
+  return all;
+}
+
+// Contents of a file that are not read are noted.
+TEST(GridFiles, WhatIsNotReadIsNoted) {
+  const std::string frame = R"(<integer name="frame" value="0"/>)";
+  expect_part(notes_of_grid(heads() / "frames.nii"),
+              "has 2 grids, of which the first is read; \"frame\" chooses");
+  EXPECT_EQ(notes_of_grid(heads() / "frames.nii", frame).find("grids"), std::string::npos);
+  expect_part(notes_of_grid(heads() / "named.vti"), "\"two\"");
+  expect_part(notes_of_grid(heads() / "named.vti"), "is read; \"array\" chooses another");
+  EXPECT_EQ(notes_of_grid(heads() / "named.vti", choice("array", "two")), "");
+  EXPECT_EQ(notes_of_grid(heads() / "int16.vti"), "");
+  // The stack states 2 and 4 pixels, and 1/2.5 slices, in a micrometre.
+  expect_part(notes_of_grid(heads() / "hyper.tif", frame),
+              "states voxels of 0.5 x 0.25 x 2.5 um, which is not used");
+  EXPECT_EQ(notes_of_grid(heads() / "hyper.tif", frame + R"(<vector name="spacing" x="1" y="1" z="1"/>)"),
+            "");
+  EXPECT_EQ(notes_of_grid(heads() / "int16.nrrd"), "");
+  EXPECT_EQ(notes_of_grid(heads() / "detached.mhd"), "");
+  VolumeFolder folder;
+  const std::string
+      nrrd = "NRRD0001\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nspacings: 1 1 1\nencoding: raw\n\n1234",
+      mha =
+          "NDims = 3\nDimSize = 2 2 1\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\n"
+          "ElementDataFile = LOCAL\n1234";
+  for (const std::string& header : {nrrd, mha}) {
+    const fs::path file = folder.path() / "a.grid";
+    EXPECT_EQ(notes_of_grid(write_bytes(file, header)), "");
+    EXPECT_EQ(notes_of_grid(write_bytes(file, header + "\r\n")), "");
+    expect_part(notes_of_grid(write_bytes(file, header + std::string(12, '5'))),
+                "has 12 bytes more than its 4 numbers of the type uint8 need");
+  }
+}
+
+// Channels and instants of a stack are grids, which its pages may not contradict.
+TEST(GridFiles, StacksOfSeveralGrids) {
+  EXPECT_EQ(read_scalar_grid(heads() / "hyper.tif").frames, 4);
+  EXPECT_EQ(read_scalar_grid(heads() / "several.ome.tif").frames, 4);
+  EXPECT_EQ(read_scalar_grid(heads() / "imagej.tif").frames, 1);
+  const auto content = [](const char* name) {
+    std::ifstream in(heads() / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  expect_part(grid_error(changed(content("hyper.tif"), "channels=2", "channels=3")),
+              "has 12 pages, but describes 6 grids (channels, instants) of 3 slices");
+  expect_part(grid_error(changed(content("several.ome.tif"), "SizeT=\"2\"", "SizeT=\"9\"")),
+              "describes 18 grids");
+  // Pages of one slice each stay a stack, with a note.
+  VolumeFolder folder;
+  const std::string flat =
+      changed(changed(content("hyper.tif"), "slices=3", "slices=1"), "frames=2", "frames=6");
+  const ScalarGrid grid = read_scalar_grid(write_bytes(folder.path() / "flat.tif", flat));
+  EXPECT_EQ(grid.size[2], 12);
+  EXPECT_EQ(grid.frames, 1);
+  ASSERT_FALSE(grid.notes.empty());
+  expect_part(grid.notes.back(), "12 channels or instants of one slice, which are read as slices");
+}
+
+TEST(GridFiles, OtherFormatsAreNamed) {
+  expect_part(grid_error(std::string(128, '\0') + "DICM" + std::string(64, '\1')), "is DICOM");
+  expect_part(grid_error("# vtk DataFile Version 3.0\n"), "save its grid as .vti");
+  expect_part(grid_error(std::string("PK\x03\x04", 4) + "array"), ".npz");
+  expect_part(grid_error("\x89HDF\r\n"), "is HDF5");
+  expect_part(grid_error(""), "is empty");
 }
 
 TEST(GridFiles, NumbersThatAreNotFiniteAreErrorsOfTheScene) {

@@ -61,6 +61,9 @@ public:
   void require_scene(const Scene& scene) const override {
     for (const NestedIntegrator& n : nested_) n.integrator->require_scene(scene);
   }
+  std::vector<std::string> scene_notes(const Scene& scene) const override {
+    return nested_notes(nested_, scene);
+  }
   std::vector<std::string> aov_names() const override { return names_; }
   std::vector<std::string> aov_meanings() const override { return meanings_; }
 

@@ -44,6 +44,13 @@ SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested) {
   return all;
 }
 
+std::vector<std::string> nested_notes(const std::vector<NestedIntegrator>& nested, const Scene& scene) {
+  std::vector<std::string> all;
+  for (const NestedIntegrator& n : nested)
+    for (std::string& note : n.integrator->scene_notes(scene)) all.push_back(std::move(note));
+  return all;
+}
+
 void require_distinct(const Properties& p, std::string_view parameter,
                       const std::vector<std::string>& channels) {
   std::set<std::string> seen;

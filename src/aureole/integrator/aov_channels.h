@@ -30,7 +30,10 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& properties,
 /// manner than the others, since all follow light in one scene.
 SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested);
 
-/// Throws a located Error where two channels have the same name.
+/// Returns `Integrator::scene_notes` of all nested integrators.
+std::vector<std::string> nested_notes(const std::vector<NestedIntegrator>& nested, const Scene& scene);
+
+/// Throws a located Error where two of the channels have one name.
 void require_distinct(const Properties& properties, std::string_view parameter,
                       const std::vector<std::string>& channels);
 

@@ -52,7 +52,6 @@ public:
     if (scene.sensor().sensor->medium())
       throw Error(scene.sensor().sensor->properties().where(),
                   "\"dvr\" finds the media around the sensor itself: state none on the sensor");
-    note_unseen_isosurfaces(media);
     using enum DvrSettings::Method;
     const DvrSettings::Method method = settings_.method;
     const bool is_by_opacity = settings_.steps == DvrSettings::Steps::by_opacity;
@@ -69,6 +68,15 @@ public:
             "color_is",
             "the colour is an albedo, which this method shows black: give the integrator "
             "<string name=\"lighting\" value=\"gradient\"/> or the method \"single_scattering\"");
+  }
+  std::vector<std::string> scene_notes(const Scene& scene) const override {
+    std::vector<std::string> notes = behind().scene_notes(scene);
+    const auto media = classified_media(scene);
+    note_unseen_isosurfaces(media, notes);
+    note_lighting(scene, media, notes);
+    for (const ClassifiedMedium* medium : media)
+      note_surface(scene, *medium, notes), note_shape(scene, *medium, notes);
+    return notes;
   }
   std::vector<std::string> aov_names() const override {
     if (!measures_) return {};
@@ -165,18 +173,87 @@ private:
                                "is for volumes without a mask: the mean number of a ray has no place "
                                "and thus no class");
   }
-  void note_unseen_isosurfaces(const std::vector<const ClassifiedMedium*>& media) const {
+  /// Returns a note at a parameter of an object.
+  static std::string note_at(const Properties& p, const char* name, const std::string& message) {
+    return p.error(name, message).what();
+  }
+  void note_unseen_isosurfaces(const std::vector<const ClassifiedMedium*>& media,
+                               std::vector<std::string>& notes) const {
     for (const ClassifiedMedium* medium : media)
       for (const float value : settings_.isovalues) {
         const float low = medium->field().minimum(), high = medium->field().maximum();
         const float opacity = medium->layer_opacity(medium->classification().max_extinction(value, value));
         if (value >= low && value <= high && opacity > 0) continue;
-        properties().note(
-            "isovalues",
+        notes.push_back(note_at(
+            properties(), "isovalues",
             fmt::format("the surface of {:g} is not seen: the numbers of the volume go from {:g} to {:g}, "
                         "and the opacity at {:g} is {:g}",
-                        value, low, high, value, opacity));
+                        value, low, high, value, opacity)));
       }
+  }
+  /// Notes on lighting without lights, and on coefficients of lighting that is not chosen.
+  void note_lighting(const Scene& scene, const std::vector<const ClassifiedMedium*>& media,
+                     std::vector<std::string>& notes) const {
+    if (settings_.gradient_lighting) {
+      if (scene.lights().empty())
+        notes.push_back(note_at(
+            properties(), "lighting",
+            "the scene has no light: the \"ambient\" part of the colours alone is seen; a light is, for example, "
+            "<emitter type=\"directional\">"));
+      return;
+    }
+    using enum DvrSettings::Method;
+    if (settings_.method != composite && settings_.method != isosurface) return;  // nothing is shaded
+    for (const ClassifiedMedium* medium : media)
+      for (const char* name : {"ambient", "diffuse", "specular", "shininess"})
+        if (const Properties& p = medium->properties(); p.has(name)) {
+          notes.push_back(note_at(p, name,
+                                  "has no effect without <string name=\"lighting\" value=\"gradient\"/> "
+                                  "of the integrator"));
+          break;
+        }
+  }
+  /// Notes on shapes that hold the volume behind a surface at which "dvr" ends.
+  static void note_surface(const Scene& scene, const ClassifiedMedium& medium,
+                           std::vector<std::string>& notes) {
+    for (const Primitive& part : scene.parts().surfaces)
+      if (part.media.inside.get() == &medium && part.bsdf &&
+          has(part.bsdf->lobes(), Lobe::reflect | Lobe::transmit))
+        notes.push_back(
+            part.element->where().str() +
+            ": the surface of this shape is that of a body, where \"dvr\" ends: seen from outside, the volume "
+            "within is hidden or followed by the nested integrator; <bsdf type=\"null\"/> shows it");
+  }
+  /// Notes that shapes do not enclose the volume, by their bounds.
+  void note_shape(const Scene& scene, const ClassifiedMedium& medium, std::vector<std::string>& notes) const {
+    if (medium.is_clipped()) return;
+    Bounds3 shapes, numbers;
+    for (const Primitive& part : scene.parts().surfaces)
+      if (part.media.inside.get() == &medium || part.media.outside.get() == &medium)
+        shapes.extend(part.bounds());
+    const ScalarField& field = medium.field();
+    const Transform from_box = field.to_box().inverse();
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 p;  // the centre of a voxel at a corner
+      for (int k = 0; k < 3; ++k) {
+        const float half = 0.5f / float(field.size()[std::size_t(k)]);
+        p[k] = corner >> k & 1 ? 1 - half : half;
+      }
+      numbers.extend(from_box.point(p));
+    }
+    if (shapes.empty()) return;
+    const float rounding = 1e-4f * field.spacing();
+    bool is_enclosed = true;
+    for (int k = 0; k < 3; ++k)
+      is_enclosed &=
+          numbers.lower[k] >= shapes.lower[k] - rounding && numbers.upper[k] <= shapes.upper[k] + rounding;
+    if (is_enclosed) return;
+    const auto shown = [](const Vec3& v) { return fmt::format("({:.5g}, {:.5g}, {:.5g})", v.x, v.y, v.z); };
+    notes.push_back(fmt::format(
+        "{}: the volume reaches from {} to {}, beyond the shape that holds it, which reaches from {} to {}: "
+        "\"dvr\" shows the whole volume, other integrators what the shape encloses",
+        medium.properties().where().str(), shown(numbers.lower), shown(numbers.upper), shown(shapes.lower),
+        shown(shapes.upper)));
   }
   const Integrator& behind() const { return *nested_.front().integrator; }
 

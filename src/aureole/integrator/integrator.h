@@ -50,8 +50,11 @@ public:
   /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot
   /// follow.
   virtual void require_scene(const Scene&) const {}
-  /// Names of the AOVs that are measured beside the film's channels ("albedo.R", "depth"). None where paths
-  /// belong to no pixel.
+  /// Notes on objects and parameters that the integrator does not show or use, each with its place in the file. Throws nothing
+  /// for scenes that `require_scene` refuses.
+  virtual std::vector<std::string> scene_notes(const Scene&) const { return {}; }
+  /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
+  /// paths belong to no pixel.
   virtual std::vector<std::string> aov_names() const { return {}; }
   /// For each of `aov_names` the meaning of the quantity with its unit, for the headers of pictures.
   virtual std::vector<std::string> aov_meanings() const { return {}; }

@@ -204,6 +204,8 @@ LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
   made.hash = loaded.hash;
   made.notes = std::move(loaded.notes);
   made.notes.insert(made.notes.end(), made.scene->notes().begin(), made.scene->notes().end());
+  if (made.integrator)
+    for (std::string& note : made.integrator->scene_notes(*made.scene)) made.notes.push_back(std::move(note));
   made.file = std::move(loaded.file);
   return made;
 }

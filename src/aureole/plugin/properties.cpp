@@ -92,6 +92,8 @@ Error Properties::error(std::string_view name, const std::string& message) const
   for (const Entry& e : entries_)
     if (e.name == name)
       return Error(e.where, "parameter \"" + std::string(name) + "\" of \"" + type_ + "\": " + message);
+  if (message.starts_with("is missing"))  // a parameter that stands nowhere is named
+    return Error(where_, "parameter \"" + std::string(name) + "\" of \"" + type_ + "\": " + message);
   return Error(where_, "\"" + type_ + "\": " + message);
 }
 

@@ -58,6 +58,10 @@ ScalarGrid read_grid(const Properties& p) {
     ScalarGrid grid = given ? grid_of_array(p, *given, options) : read_scalar_grid(file, options);
     for (const auto& further : grid.further_files)
       if (p.context().scene) p.context().scene->add_file(further);
+    if (grid.frames > 1 && !p.has("frame"))
+      p.note(parameter,
+             fmt::format("\"{}\" has {} grids, of which the first is read; \"frame\" chooses another",
+                         file.string(), grid.frames));
     for (const std::string& note : grid.notes) p.note(parameter, "\"" + file.string() + "\" " + note);
     try {
       grid.check_finite();

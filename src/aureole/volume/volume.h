@@ -31,6 +31,8 @@ public:
   /// not colours (directions, matrices). Several numbers have no spectrum, and `get_volume` rejects such
   /// volumes.
   virtual int channels() const { return 1; }
+  /// Whether the values are colours, which have a spectrum at each point.
+  virtual bool has_colors() const { return false; }
   virtual void eval_channels(const Vec3& p, float* out) const { *out = eval_scalar(p); }
 
   /// Returns the volume with its numbers, colours and spectra interpreted in the given role (`SpectrumRole`).

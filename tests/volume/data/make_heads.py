@@ -361,6 +361,14 @@ tifffile.imwrite(heads / "packed.tif", np.ascontiguousarray(values("uint16").tra
 judge_numpy("packed.tif", tifffile.imread(heads / "packed.tif").transpose(2, 1, 0))
 tifffile.imwrite(heads / "imagej.tif", np.ascontiguousarray(values("uint16").transpose(2, 1, 0)), imagej=True)
 judge_numpy("imagej.tif", tifffile.imread(heads / "imagej.tif").transpose(2, 1, 0))
+# Two instants of two channels: ImageJ stores the channels of a slice side by side, this OME-TIFF all instants of a channel.
+several = np.stack([[values("uint16").transpose(2, 1, 0) + 1000 * (2 * t + c) for c in range(2)] for t in range(2)])  # [t, c, z, y, x]
+tifffile.imwrite(heads / "hyper.tif", np.ascontiguousarray(several.transpose(0, 2, 1, 3, 4)), imagej=True, resolution=(2, 4),
+                 metadata={"axes": "TZCYX", "spacing": 2.5, "unit": "um"})
+tifffile.imwrite(heads / "several.ome.tif", np.ascontiguousarray(several.transpose(1, 0, 2, 3, 4)), metadata={"axes": "CTZYX"})
+for t, c in ((0, 0), (0, 1), (1, 0), (1, 1)):
+    judge_numpy("hyper.tif", tifffile.imread(heads / "hyper.tif")[t, :, c].transpose(2, 1, 0), placed + f" frame={2 * t + c}")
+    judge_numpy("several.ome.tif", tifffile.imread(heads / "several.ome.tif")[c, t].transpose(2, 1, 0), placed + f" frame={2 * c + t}")
 for n in range(3):
     tifffile.imwrite(heads / f"series{n + 8}.tif", np.ascontiguousarray(values("uint16")[:, :, n].T), metadata=None, photometric="minisblack")
 judge_numpy("series9.tif", values("uint16"), placed + " series=true")

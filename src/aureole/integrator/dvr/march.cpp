@@ -82,9 +82,8 @@ VolumeResult VolumeMarch::follow() {
             settings_.alpha == DvrSettings::Alpha::exponential;
   if (!is_one_ || is_adaptive) find_active();
   if (is_adaptive) return adapt();
-  if (settings_.method == Method::composite || settings_.method == Method::xray)
-    return composite(settings_.step);
-  return integrate();
+  // Light that is scattered is found at random places: it would not agree with that of steps of half the length.
+  return settings_.method == Method::emission_absorption ? integrate() : composite(settings_.step);
 }
 
 void VolumeMarch::find_active() {
@@ -169,7 +168,8 @@ VolumeResult VolumeMarch::composite(float length) {
       k = std::max(k + 1, int((next - begin_) / length));
       continue;
     }
-    const float a = from, b = k + 1 == count ? end_ : std::min(from + length, end_);
+    // Both ends are multiples of the length, so that steps add up to the ray and one begins where the last one ended.
+    const float a = from, b = k + 1 == count ? end_ : std::min(begin_ + float(k + 1) * length, end_);
     ++k;
     Step step;
     for (Part& part : parts_)
@@ -235,7 +235,8 @@ VolumeResult VolumeMarch::project() {
   double sum = 0;
   result.lookups = float(count);
   for (int k = 0; k < count; ++k) {
-    const float a = part.begin + float(k) * length, b = std::min(a + length, part.end);
+    const float a = part.begin + float(k) * length,
+                b = k + 1 == count ? part.end : std::min(part.begin + float(k + 1) * length, part.end);
     const float t = a + offset * (b - a), value = field.value(at(t));
     sum += double(value) * double(b - a);
     if (is_mip && value > result.value) result.value = value, result.depth = t;

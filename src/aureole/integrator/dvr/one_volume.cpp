@@ -100,7 +100,7 @@ VolumeResult VolumeMarch::composite_one(float length) {
       for (; k < count && !is_over; ++k) {
         const float a = begin + float(k) * length;
         if (a >= to) break;
-        const float b = k + 1 == count ? end : std::min(a + length, end);
+        const float b = k + 1 == count ? end : std::min(begin + float(k + 1) * length, end);
         if (b <= from) continue;
         is_over = take_step(s, a, b, last_step + 1 == k);
         last_step = k;

@@ -140,7 +140,12 @@ Classification::Class Classification::read_class(const Properties& p) {
 }
 
 Classification::Classification(const Properties& p, const ScalarField& field)
-    : field_(field), unit_(float(p.get_float("opacity_unit_length", 1, Range::positive()))) {
+    : field_(field), unit_(float(opacity_unit_length(p))) {
+  if (p.has("color_encoding") && !p.has("colors") && !TransferPlane::is_given(p))
+    throw p.error(
+        "color_encoding",
+        "has no effect: it is for \"colors\", \"boxes\" and \"triangles\"; colour maps and presets say "
+        "how their colours are encoded");
   if (p.has("extinction")) parameter_ = "extinction";
   for (const char* name : {"boxes", "triangles", "table"})
     if (p.has(name)) parameter_ = plane_parameter_ = name;

@@ -23,6 +23,9 @@ ScalarField read_field(const Properties& p) {
     throw p.error("value", "is constant in space; a volume on a grid is needed, such as a \"gridvolume\"");
   if (volume->channels() > 1)
     throw p.error("value", fmt::format("has {} numbers at each point; one is needed", volume->channels()));
+  if (volume->has_colors())
+    throw p.error("value",
+                  "holds colours; one number at each point is needed, such as one channel of the picture");
   ScalarField field(*volume);
   if (field.broken() > 0)
     throw p.error("value", fmt::format("has {} voxels that are not finite numbers", field.broken()));
@@ -56,7 +59,7 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
     : Medium(p),
       field_(read_field(p)),
       classification_(p, field_),
-      unit_(float(p.get_float("opacity_unit_length", 1, Range::positive()))),
+      unit_(float(opacity_unit_length(p))),
       color_emits_(p.get_choice("color_is", "emission", {"emission", "albedo"}) == "emission"),
       emission_scale_(float(p.get_float("emission_scale", 1, Range::non_negative()))),
       sampling_weight_(float(p.get_float("sampling_weight", 1, Range::non_negative()))),
@@ -81,7 +84,17 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
     if (!(length(n) > 0)) throw p.error("clip_planes", "the normal of a plane must not be zero");
     planes_.push_back({n * (1 / length(n)), float(plane[3]) / length(n)});
   }
+  const bool has_phase = std::any_of(p.entries().begin(), p.entries().end(), [](const Properties::Entry& e) {
+    const auto* object = std::get_if<ObjectPtr>(&e.value);
+    return object && dynamic_cast<const PhaseFunction*>(object->get());
+  });
   phase_ = only_phase(p);
+  if (color_emits_ && has_phase)
+    p.note(
+        "phase",
+        "the phase function has no effect: the medium emits its colour and scatters no light (\"color_is\")");
+  if (!color_emits_ && p.has("sampling_weight"))
+    p.note("sampling_weight", "has no effect: the colour is an albedo, and the medium emits no light");
   if (phase_->largest_projected_area() != 1)
     throw p.error("phase",
                   "oriented particles are not supported: the transfer function gives the extinction");
@@ -91,6 +104,19 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
   const char* stated = classification_.parameter();
   require_computable_extinction(p, stated, double(classification_.max_extinction(-kInfinity, kInfinity)));
   require_computable_extinction(p, stated, *grid_, 0, 1);
+  const Transform from_box = field_.to_box().inverse();
+  for (const Plane& plane : planes_) {
+    bool cuts_all = true;
+    for (int corner = 0; corner < 8; ++corner)
+      cuts_all &=
+          dot(plane.n, from_box.point({float(corner & 1), float(corner >> 1 & 1), float(corner >> 2 & 1)})) <
+          plane.d;
+    if (!cuts_all) continue;
+    p.note(p.has("clip_planes") ? "clip_planes" : "clip_box",
+           fmt::format("nothing of the volume is left where ({:g}, {:g}, {:g}) . p >= {:g}", plane.n.x,
+                       plane.n.y, plane.n.z, plane.d));
+    break;
+  }
   if (!(grid_->maximum() > 0))
     p.note(stated,
            fmt::format("the extinction is 0 for all numbers of the volume, which lie between {:g} and {:g}",

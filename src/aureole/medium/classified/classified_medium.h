@@ -42,7 +42,8 @@ public:
     return classification_.mean(p, from, to);
   }
 
-  /// Whether the colour is the colour of emitted light; else it is the single-scattering albedo.
+  bool is_clipped() const { return !planes_.empty(); }
+  /// Whether the colour is that of emitted light; else it is the single-scattering albedo.
   bool color_emits() const { return color_emits_; }
   /// Opacity of a layer of the thickness `unit()` and this extinction.
   float layer_opacity(float extinction) const { return -std::expm1(-extinction * unit_); }

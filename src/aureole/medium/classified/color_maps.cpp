@@ -63,7 +63,7 @@ constexpr ColorMap kMaps[] = {
 using Color = std::array<double, 4>;
 using Opacity = std::array<double, 2>;
 // Hounsfield units: air -1000, fat -100, water 0, muscle 50, cancellous bone 300, compact bone above 700. Opacities are
-// those of a layer of 1 mm.
+// those of a layer of 1 mm, as are those of MR.
 constexpr Color kBoneColors[] = {{-1000, 0.3, 0.1, 0.1},
                                  {150, 0.55, 0.25, 0.15},
                                  {350, 0.88, 0.6, 0.4},
@@ -79,10 +79,10 @@ constexpr Color kMrColors[] = {
 constexpr Opacity kMrOpacities[] = {{20, 0}, {90, 0.05}, {350, 0.15}, {700, 0.4}, {1000, 0.6}};
 constexpr Color kGenericColors[] = {{0, 0.23, 0.3, 0.75}, {0.5, 0.87, 0.87, 0.87}, {1, 0.71, 0.02, 0.15}};
 constexpr Opacity kGenericOpacities[] = {{0, 0}, {1, 0.9}};
-constexpr TransferPreset kPresets[] = {{"ct_bone", kBoneColors, kBoneOpacities},
-                                       {"ct_soft_tissue", kSoftColors, kSoftOpacities},
-                                       {"mr", kMrColors, kMrOpacities},
-                                       {"generic", kGenericColors, kGenericOpacities}};
+constexpr TransferPreset kPresets[] = {{"ct_bone", true, kBoneColors, kBoneOpacities},
+                                       {"ct_soft_tissue", true, kSoftColors, kSoftOpacities},
+                                       {"mr", true, kMrColors, kMrOpacities},
+                                       {"generic", false, kGenericColors, kGenericOpacities}};
 
 template <class List>
 auto* find_named(const List& list, std::string_view name) {

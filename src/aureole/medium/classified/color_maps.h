@@ -19,9 +19,11 @@ struct ColorMap {
 const ColorMap* find_color_map(std::string_view name);
 std::vector<std::string> color_map_names();
 
-/// A transfer function with a name: values and colours encoded as sRGB, and values and opacities of a layer of 1.
+/// A transfer function with a name: values and colours encoded as sRGB, and values and opacities of a layer of 1 mm, or
+/// of the unit of length of the scene.
 struct TransferPreset {
   const char* name;
+  bool is_of_millimetres;
   std::span<const std::array<double, 4>> colors;
   std::span<const std::array<double, 2>> opacities;
 };

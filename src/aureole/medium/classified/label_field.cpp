@@ -20,6 +20,7 @@ ScalarField read_labels(const Properties& p, const char* name) {
     throw p.error(name, "is constant in space; labels on a grid are needed, such as a \"gridvolume\"");
   if (volume->channels() > 1)
     throw p.error(name, fmt::format("has {} numbers at each point; one label is needed", volume->channels()));
+  if (volume->has_colors()) throw p.error(name, "holds colours; one label at each point is needed");
   const Properties& of = volume->properties();
   if (of.has("filter_type") && of.get_string("filter_type") != "nearest")
     throw of.error("filter_type", "has no effect here: labels are not interpolated");

@@ -252,8 +252,32 @@ void note_limited_opacity(const Properties& p, const char* name) {
                            kMaxOpacity, kMaxOpacity));
 }
 
+double opacity_unit_length(const Properties& p) {
+  constexpr const char* kName = "opacity_unit_length";
+  bool has_millimetres = false, has_others = false;
+  if (p.has("preset") && !p.has(kName)) {
+    const std::string presets = p.get_string("preset");
+    for (const std::string& name : transfer_preset_names())
+      if (presets.find(name) != presets.npos)
+        (find_transfer_preset(name)->is_of_millimetres ? has_millimetres : has_others) = true;
+  }
+  const double millimetre = 1e-3 / p.context().length_unit_m;
+  if (has_millimetres) {
+    for (const char* name : {"opacity", "extinction", "boxes", "triangles", "table"})
+      has_others |= p.has(name);
+    // Without a mask the opacities or extinctions replace those of the preset.
+    if (has_others && !p.has("mask")) has_millimetres = false;
+    if (has_millimetres && has_others && std::abs(millimetre - 1) > 1e-9)
+      throw p.error(
+          "preset",
+          "the opacities of presets of CT and MR are those of 1 mm, but this volume has others, too, and the "
+          "scene's unit of length is another one: state \"opacity_unit_length\" for all");
+  }
+  return p.get_float(kName, has_millimetres ? millimetre : 1, Range::positive());
+}
+
 TransferFunction TransferFunction::read(const Properties& p) {
-  const double unit = p.get_float("opacity_unit_length", 1, Range::positive());
+  const double unit = opacity_unit_length(p);
   const std::string preset_name = p.get_string("preset", ""), map_name = p.get_string("color_map", "");
   const std::string encoding = p.get_choice("color_encoding", "linear", {"linear", "srgb"});
   bool is_srgb = encoding == "srgb";
@@ -309,7 +333,8 @@ std::vector<ParameterDoc> TransferFunction::rows() {
        "values and the opacity of a layer of `opacity_unit_length` at each, in ascending order, linear between them: "
        "\"VALUE OPACITY, VALUE OPACITY, ...\"; a value that stands twice makes a jump"},
       {"extinction", "string", "1/length", "none", "instead of opacity: values and extinction coefficients"},
-      {"opacity_unit_length", "float", "length", "1", "thickness of the layer whose opacity is given"},
+      {"opacity_unit_length", "float", "length", "1 mm for presets of CT and MR, else 1",
+       "thickness of the layer whose opacity is given"},
       {"colors", "string", "", "white", "values and the red, green and blue of each, from 0 to 1"},
       {"color_encoding", "string", "", "linear",
        "\"linear\": colors are linear sRGB and linear between values; \"srgb\": they are encoded as in picture files, and "

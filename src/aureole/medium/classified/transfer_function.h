@@ -24,6 +24,10 @@ struct ColorWeights {
   static ColorWeights of_linear_rgb(float r, float g, float b);
 };
 
+/// Returns the thickness of the layer whose opacity a volume states, in units of the scene: `opacity_unit_length`, else
+/// 1 mm for the opacities of presets of CT and MR, and 1 for all others. Throws a located Error where classes of a mask
+/// have both and these lengths differ.
+double opacity_unit_length(const Properties& properties);
 /// Notes that opacities of the parameter `name` exceed `TransferFunction::kMaxOpacity`.
 void note_limited_opacity(const Properties& properties, const char* name);
 

@@ -152,7 +152,7 @@ TransferPlane TransferPlane::read(const Properties& p) {
                     "contradicts the function of value and gradient: \"table\", \"boxes\" and "
                     "\"triangles\" have colours and opacities of their own");
   TransferPlane plane;
-  plane.unit_ = float(p.get_float("opacity_unit_length", 1, Range::positive()));
+  plane.unit_ = float(opacity_unit_length(p));
   if (p.has("table")) {
     for (const char* name : {"boxes", "triangles"})
       if (p.has(name)) throw p.error(name, "give either a \"table\" or \"boxes\" and \"triangles\"");

@@ -185,6 +185,17 @@ std::uint64_t count_of(const std::vector<std::int64_t>& sizes, ScalarType type) 
   return count;
 }
 
+void note_surplus(ScalarGrid& grid, const SharedBytes& source, Encoding encoding, std::int64_t byte_skip,
+                  std::uint64_t count) {
+  constexpr std::uint64_t kPadding = 8;  // a line end or filling bytes are no sign of wrong sizes
+  const std::uint64_t used =
+      std::uint64_t(std::max<std::int64_t>(byte_skip, 0)) + count * bytes_of(grid.type);
+  if (encoding != Encoding::raw || byte_skip < 0 || source.size() <= used + kPadding) return;
+  grid.notes.push_back(fmt::format(
+      "has {} bytes more than its {} numbers of the type {} need, which are not read: are its sizes right?",
+      source.size() - used, count, name_of(grid.type)));
+}
+
 SharedBytes decode(const SharedBytes& source, Encoding encoding, std::int64_t byte_skip, std::uint64_t count,
                    ScalarType type) {
   const std::uint64_t needed = count * bytes_of(type);
@@ -381,9 +392,11 @@ std::optional<double> metres_of_unit(std::string_view name) {
 }
 
 void arrange(ScalarGrid& grid, const std::vector<GridAxis>& axes, const ScalarGridOptions& options) {
-  std::int64_t stride = 1, frame_stride = 0;
+  std::int64_t stride = 1;
+  std::vector<std::array<std::int64_t, 2>> frames;  // size and stride of each axis of frames
   grid.strides = {0, 0, 0, 0};
-  grid.channels = grid.frames = 1;
+  grid.channels = 1;
+  std::int64_t frame_count = 1;
   for (const GridAxis& a : axes) {
     if (const auto k = std::string_view("xyz").find(a.role); k != std::string_view::npos)
       grid.size[k] = int(a.size), grid.strides[k] = stride;
@@ -391,13 +404,16 @@ void arrange(ScalarGrid& grid, const std::vector<GridAxis>& axes, const ScalarGr
       if (a.size > 64) throw Error(fmt::format("has {} numbers in a voxel; 1 to 64 are possible", a.size));
       grid.channels = int(a.size), grid.strides[3] = stride;
     } else
-      grid.frames = int(a.size), frame_stride = stride;
+      frames.push_back({a.size, stride}), frame_count *= a.size;
     stride *= a.size;
   }
+  if (frame_count > std::numeric_limits<int>::max()) throw Error("has too many grids");
+  grid.frames = int(frame_count);
   if (options.frame < 0 || options.frame >= grid.frames)
     throw Error(fmt::format("has no frame {}: it has {}, counted from 0", options.frame, grid.frames));
-  const std::size_t first = std::size_t(options.frame) * std::size_t(frame_stride) * bytes_of(grid.type);
-  grid.numbers = grid.numbers.from(first);
+  std::int64_t first = 0, frame = options.frame;
+  for (const auto& [size, step] : frames) first += frame % size * step, frame /= size;
+  grid.numbers = grid.numbers.from(std::size_t(first) * bytes_of(grid.type));
 }
 
 void place(ScalarGrid& grid, const std::array<std::array<double, 3>, 3>& columns,

@@ -61,8 +61,10 @@ std::uint64_t count_of(const std::vector<std::int64_t>& sizes, ScalarType type);
 /// are not copied. Throws Error if there are fewer.
 SharedBytes decode(const SharedBytes& source, Encoding encoding, std::int64_t byte_skip, std::uint64_t count,
                    ScalarType type);
-/// Decompresses gzip or zlib to at most `wanted` bytes. Memory grows with the decompressed bytes, not with
-/// `wanted`.
+/// Adds a note to the grid if raw data have more bytes than the numbers that `decode` returns.
+void note_surplus(ScalarGrid& grid, const SharedBytes& source, Encoding encoding, std::int64_t byte_skip,
+                  std::uint64_t count);
+/// Decompresses gzip or zlib to at most `wanted` bytes. Memory grows with what was found, not with what is wanted.
 SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted);
 /// Returns the bytes of base64 text up to its padding; blanks are skipped. Throws Error at another character.
 std::vector<std::byte> base64_bytes(std::string_view text);
@@ -88,9 +90,9 @@ std::string lowered(std::string_view text);
 /// Returns the metres of a unit's symbol or name ("mm", "millimeters", "micron"); nothing if it is unknown.
 std::optional<double> metres_of_unit(std::string_view name);
 
-/// Sets `grid.size`, channels, strides and the chosen frame from `grid.numbers`, which hold all frames.
-/// `axes` has the size of each axis, the fastest first, and its role: 'x', 'y', 'z', 'c' (channel) or 't'
-/// (frame). Throws Error if the frame does not exist.
+/// Sets `grid.size`, channels, strides and the chosen frame from `grid.numbers`, which hold all frames. `axes` has
+/// the size of each axis, the fastest first, and what it is: 'x', 'y', 'z', 'c' (channel) or 't' (frame, also of
+/// several axes, of which the first is counted fastest). Returns nothing; throws Error if the frame is not there.
 struct GridAxis {
   std::int64_t size;
   char role;

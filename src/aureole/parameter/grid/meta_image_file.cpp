@@ -176,6 +176,7 @@ private:
         throw Error({{}, header_.fields.at("HeaderSize").line, 0},
                     "has a HeaderSize, but its numbers are local and follow its own header");
       grid.numbers = decode(bytes_.from(header_.end), e, 0, count, grid.type);
+      note_surplus(grid, bytes_.from(header_.end), e, 0, count);
       return;
     }
     std::vector<std::string> names;
@@ -219,6 +220,7 @@ private:
         const SharedBytes source = map_file(data);
         try {
           pieces.push_back(decode(source, e, skip, each, grid.type));
+          if (pieces.size() == 1) note_surplus(grid, source, e, skip, each);
         } catch (const Error& problem) {
           throw Error("names \"" + name + "\", which " + problem.message());
         }

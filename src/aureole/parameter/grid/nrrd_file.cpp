@@ -334,7 +334,9 @@ private:
         return 0;
       });
     if (names.empty()) {
-      grid.numbers = decode(after_lines(bytes_.from(header_.end), lines), e, byte_skip, count, grid.type);
+      const SharedBytes numbers = after_lines(bytes_.from(header_.end), lines);
+      grid.numbers = decode(numbers, e, byte_skip, count, grid.type);
+      note_surplus(grid, numbers, e, byte_skip, count);
       return;
     }
     std::uint64_t each = count;
@@ -355,7 +357,9 @@ private:
       at("data file", [&](auto&) {
         const SharedBytes source = map_file(data);
         try {
-          pieces.push_back(decode(after_lines(source, lines), e, byte_skip, each, grid.type));
+          const SharedBytes numbers = after_lines(source, lines);
+          pieces.push_back(decode(numbers, e, byte_skip, each, grid.type));
+          if (pieces.size() == 1) note_surplus(grid, numbers, e, byte_skip, each);
         } catch (const Error& problem) {
           throw Error("names \"" + name + "\", which " + problem.message());
         }

@@ -103,6 +103,20 @@ Reader reader_of(const std::filesystem::path& file, std::span<const std::byte> b
   return nullptr;
 }
 
+/// Says of a known format that is not read how to convert it; null for others.
+const char* advice_on_other_format(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.size() > 132 && text.substr(128, 4) == "DICM")
+    return "is DICOM, which is not read: convert the series to NRRD or NIfTI, as dcm2niix, 3D Slicer and ITK-SNAP do";
+  if (text.starts_with("# vtk DataFile"))
+    return "is a legacy file of VTK, which is not read: save its grid as .vti";
+  if (text.starts_with("PK\x03\x04"))
+    return "is a ZIP archive, such as numpy's .npz, which is not read: save the array by numpy.save as .npy";
+  if (text.starts_with("\x89HDF") || text.starts_with("CDF"))
+    return "is HDF5 or NetCDF, which is not read: save its array by numpy.save as .npy, or as NRRD";
+  return nullptr;
+}
+
 }  // namespace
 
 std::size_t bytes_of(ScalarType type) { return kTypes[std::size_t(type)].bytes; }
@@ -237,6 +251,8 @@ ScalarGrid read_scalar_grid(const std::filesystem::path& file, const ScalarGridO
       const std::string_view letters(reinterpret_cast<const char*>(start.data()), start.size());
       if (letters == " BDV" || letters == "Nano")
         throw Error("is a file of OpenVDB or NanoVDB: the volume \"vdbvolume\" reads it");
+      if (bytes.size() == 0) throw Error("is empty");
+      if (const char* const advice = advice_on_other_format(bytes.bytes)) throw Error(advice);
       throw Error(
           fmt::format("begins with \"{}\", as no format of volumes does that is known here: NRRD, "
                       "MetaImage (.mha, .mhd), NIfTI, .vti, .npy, TIFF and .vol",

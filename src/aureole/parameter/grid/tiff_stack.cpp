@@ -5,7 +5,6 @@
 #include <tiffio.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 
 #include "aureole/core/memory.h"
@@ -111,13 +110,59 @@ public:
 
   /// Returns the number of slices that follow one page, as ImageJ writes stacks of more than 4 GB; else 0.
   int slices_behind() const {
-    const char* description = nullptr;
-    if (!TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &description) || !description) return 0;
-    const char* const images = std::strstr(description, "\nimages=");
-    return images && std::strncmp(description, "ImageJ=", 7) == 0 ? std::max(0, std::atoi(images + 8)) : 0;
+    const std::string_view text = description();
+    return text.starts_with("ImageJ=") ? int(whole_number_behind(text, "\nimages=")) : 0;
   }
-  /// Returns the bytes of `count` slices that follow the first pixel without gaps, mapped and in the file's
-  /// byte order.
+  /// The axes of a stack that its pages are, as a description by ImageJ or OME says, the fastest first: 'z' for slices,
+  /// 't' for channels and instants, which are grids of their own. Empty where the first page has no such description.
+  std::vector<GridAxis> described_axes() const {
+    const std::string_view text = description();
+    std::vector<GridAxis> axes;
+    if (text.starts_with("ImageJ=")) {
+      for (const char* key : {"\nchannels=", "\nslices=", "\nframes="})
+        axes.push_back(
+            {std::max<std::int64_t>(1, whole_number_behind(text, key)), key[1] == 's' ? 'z' : 't'});
+      // Without these keys all images are slices.
+      if (axes[0].size * axes[1].size * axes[2].size == 1) axes.clear();
+    } else if (const std::size_t pixels = text.find("<Pixels");
+               text.find("<OME") != text.npos && pixels != text.npos) {
+      const std::string_view element = text.substr(pixels, text.find('>', pixels) - pixels);
+      const std::string_view order = attribute_of(element, "DimensionOrder");
+      if (order.size() != 5 || !order.starts_with("XY")) return {};
+      for (const char axis : order.substr(2)) {
+        std::int64_t size = 1;
+        if (axis == 'C') size = whole_number_behind(element, " SizeC=\"") / first_.samples;
+        if (axis == 'Z') size = whole_number_behind(element, " SizeZ=\"");
+        if (axis == 'T') size = whole_number_behind(element, " SizeT=\"");
+        axes.push_back({std::max<std::int64_t>(1, size), axis == 'Z' ? 'z' : 't'});
+      }
+    }
+    return axes;
+  }
+  /// The size of a voxel that a description by ImageJ or OME states, as text; empty where there is none.
+  std::string described_voxel() const {
+    const std::string_view text = description();
+    if (text.find("<OME") != text.npos) {
+      std::string sizes;
+      for (const char* name : {"PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"})
+        if (const std::string_view size = attribute_of(text, name); !size.empty())
+          sizes += (sizes.empty() ? "" : " x ") + std::string(size.substr(0, 20));
+      return sizes;
+    }
+    constexpr std::string_view kKey = "\nspacing=";
+    const std::size_t at = text.starts_with("ImageJ=") ? text.find(kKey) : text.npos;
+    if (at == text.npos) return {};
+    const auto line_behind = [&](std::size_t from) {
+      return std::string(text.substr(from, std::min<std::size_t>(text.find('\n', from) - from, 20)));
+    };
+    float x = 0, y = 0;
+    TIFFGetField(tiff_.get(), TIFFTAG_XRESOLUTION, &x), TIFFGetField(tiff_.get(), TIFFTAG_YRESOLUTION, &y);
+    const std::size_t unit = text.find("\nunit=");
+    return fmt::format("{:.6g} x {:.6g} x {}{}", x > 0 ? 1 / x : 1, y > 0 ? 1 / y : 1,
+                       line_behind(at + kKey.size()), unit == text.npos ? "" : " " + line_behind(unit + 6));
+  }
+
+  /// Returns the bytes of `count` slices that follow the first pixel without gaps, mapped; in the file's order.
   SharedBytes contiguous(std::uint64_t count) const {
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(tiff_.get(), TIFFTAG_COMPRESSION, &compression);
@@ -145,6 +190,31 @@ public:
   }
 
 private:
+  /// The description of the page that was read last.
+  std::string_view description() const {
+    const char* text = nullptr;
+    return TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &text) && text ? text : "";
+  }
+  /// The whole number that follows a key in a text, at most 10^9; 0 where there is none.
+  static std::int64_t whole_number_behind(std::string_view text, std::string_view key) {
+    const std::size_t at = text.find(key);
+    if (at == text.npos) return 0;
+    std::int64_t number = 0;
+    for (const char c : text.substr(at + key.size())) {
+      if (c < '0' || c > '9') break;
+      number = std::min<std::int64_t>(number * 10 + (c - '0'), 1000000000);
+    }
+    return number;
+  }
+  /// The value of an attribute in an element of XML; empty where there is none.
+  static std::string_view attribute_of(std::string_view element, std::string_view name) {
+    const std::string key = fmt::format(" {}=\"", name);
+    const std::size_t at = element.find(key);
+    if (at == element.npos) return {};
+    const std::size_t begin = at + key.size();
+    return element.substr(begin, element.find('"', begin) - begin);
+  }
+
   void read_page(std::vector<std::byte>& out) {
     const bool is_tiled = TIFFIsTiled(tiff_.get());
     std::uint32_t width = first_.width, height = 1;
@@ -197,6 +267,7 @@ ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const Sca
   std::vector<std::byte> numbers;
   std::optional<Page> first;
   std::int64_t pages = 0;
+  std::vector<GridAxis> axes;
   for (const Path& slice : files) {
     try {
       TiffPages stack(slice == file ? bytes : map_file(slice));
@@ -204,6 +275,10 @@ ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const Sca
         first = stack.first();
         grid.type = stack.type();
         count_of({first->width, first->height, first->samples}, grid.type);
+        if (!options.is_series) axes = stack.described_axes();
+        if (const std::string voxel = stack.described_voxel(); !voxel.empty() && !options.spacing)
+          grid.notes.push_back("states voxels of " + voxel +
+                               ", which is not used: give \"spacing\" and \"file_unit\"");
       } else if (stack.first() != *first)
         throw Error("has another size or type than the first slice, " + files[0].filename().string());
       const int behind = options.is_series ? 0 : stack.slices_behind();
@@ -230,7 +305,18 @@ ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const Sca
   }
   count_of({first->samples, first->width, first->height, pages}, grid.type);
   if (grid.numbers.size() == 0) grid.numbers = shared(std::move(numbers));
-  arrange(grid, {{first->samples, 'c'}, {first->width, 'x'}, {first->height, 'y'}, {pages, 'z'}}, options);
+  double slices = 1, grids = 1;
+  for (const GridAxis& axis : axes) (axis.role == 'z' ? slices : grids) *= double(axis.size);
+  if (grids > 1 && slices * grids != double(pages))
+    throw Error(fmt::format("has {} pages, but describes {:.0f} grids (channels, instants) of {:.0f} slices",
+                            pages, grids, slices));
+  if (grids > 1 && slices == 1)
+    grid.notes.push_back(
+        fmt::format("describes {} channels or instants of one slice, which are read as slices", pages));
+  if (grids == 1 || slices == 1) axes = {{pages, 'z'}};
+  std::vector<GridAxis> all = {{first->samples, 'c'}, {first->width, 'x'}, {first->height, 'y'}};
+  all.insert(all.end(), axes.begin(), axes.end());
+  arrange(grid, all, options);
   place_by_options(grid, options);
   return grid;
 }

@@ -92,6 +92,10 @@ public:
       throw at(piece, "has a piece that is not the whole; one of the whole extent is supported");
     bool is_cell = false;
     const pugi::xml_node array = chosen_array(piece, is_cell);
+    if (const auto names = names_of_arrays(piece); options_.array.empty() && names.size() > 1)
+      grid.notes.push_back(
+          fmt::format("has the arrays {}, of which \"{}\" is read; \"array\" chooses another",
+                      listed_names(names), array.attribute("Name").value()));
     grid.type = type_of(array);
     const std::int64_t channels = array.attribute("NumberOfComponents").as_llong(1);
     if (channels < 1 || channels > 64)
@@ -164,6 +168,23 @@ private:
     if (found.size() != count)
       throw at(node, fmt::format("has {} numbers in its {}; {} are expected", found.size(), name, count));
     return found;
+  }
+
+  static std::vector<std::string> names_of_arrays(pugi::xml_node piece) {
+    std::vector<std::string> names;
+    for (const char* part : {"PointData", "CellData"})
+      for (const pugi::xml_node a : piece.child(part).children("DataArray"))
+        names.emplace_back(a.attribute("Name").value());
+    return names;
+  }
+  /// Returns names in quotes, at most eight of them.
+  static std::string listed_names(const std::vector<std::string>& names) {
+    constexpr std::size_t kMaxShown = 8;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kMaxShown); ++i)
+      text += (i ? ", \"" : "\"") + names[i].substr(0, 40) + "\"";
+    if (names.size() > kMaxShown) text += fmt::format(" and {} more", names.size() - kMaxShown);
+    return text;
   }
 
   /// Returns the array of that name; without a name the active scalars, else the first array, of points before cells.

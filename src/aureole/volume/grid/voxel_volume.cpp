@@ -108,6 +108,7 @@ void VoxelVolume::make_numbers() const {
 }
 
 void VoxelVolume::set(Colors colors) {
+  has_colors_ = true;
   colors_ = std::move(colors);
   set_size(colors_.size());
   minimum_ = std::numeric_limits<float>::infinity(), maximum_ = 0;

@@ -36,6 +36,7 @@ public:
   Spectrum eval(const Vec3& p, const Wavelengths& w) const final;
   float eval_scalar(const Vec3& p) const final;
   int channels() const final { return numbers_.size() > 1 ? int(numbers_.size()) : 1; }
+  bool has_colors() const final { return has_colors_; }
   void eval_channels(const Vec3& p, float* out) const final;
   float maximum() const final { return maximum_; }
   float minimum() const final { return minimum_; }
@@ -91,6 +92,7 @@ private:
   // Either numbers or colours are stored; numbers may still have to be made (`set_later`).
   mutable std::vector<Numbers> numbers_;
   Colors colors_;
+  bool has_colors_ = false;
   mutable std::atomic<bool> is_pending_ = false;
   mutable std::mutex making_;
   mutable std::function<Numbers()> make_;
