@@ -12,9 +12,8 @@ from . import _aureole
 from ._arrays import file_path
 from ._errors import Error
 from ._image import Image
-from ._instrument_support import Picture, Words, axes_or_new, picture_of, tell
+from ._instrument_support import Picture, Words, axes_or_new, defines_of, picture_of, tell
 from ._results import Table
-from ._scene import _defines
 
 
 @dataclass(frozen=True)
@@ -188,7 +187,7 @@ def info(path: "str | os.PathLike[str]", defines: Optional[Mapping[str, Any]] = 
     FileInfo
     """
     with Words():
-        kind, described, notes = _aureole.file_info(file_path("path", path), _defines(defines or {}))
+        kind, described, notes = _aureole.file_info(file_path("path", path), defines_of(defines))
     tell(notes)
     rows: List[Tuple[str, str]] = []
     for line in described.splitlines():

@@ -5,16 +5,26 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, Sequence, Tuple, Union
+from typing import Any, List, Mapping, Sequence, Tuple, Union
 
-from ._arrays import file_path
+from ._arrays import file_path, text
 from ._errors import Error
 from ._image import Image, read_image
+from ._scene import _defines
 from ._wording import python_names
 
 Length = Union[float, str]
 Angle = Union[float, str]
 Picture = Union[Image, "str", "os.PathLike[str]"]
+
+
+def defines_of(defines: Any) -> List[Tuple[str, str]]:
+    """The argument `defines`, a dict or None, as pairs of texts."""
+    if defines is None:
+        return []
+    if not isinstance(defines, Mapping):
+        raise TypeError(f"defines: expected a dict of names and values, got {type(defines).__name__}")
+    return _defines({text("defines", name): value for name, value in defines.items()})
 
 
 def tell(notes: Sequence[str]) -> None:

@@ -13,9 +13,8 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import file_path, integer, real, scalar, shown, text
 from ._errors import Error
-from ._instrument_support import Angle, Length, Words, axes_or_new, tell
+from ._instrument_support import Angle, Length, Words, axes_or_new, defines_of, tell
 from ._results import Table
-from ._scene import _defines
 from ._units import angle_deg, length_m
 
 Reals = npt.NDArray[np.float64]
@@ -154,7 +153,7 @@ def layer(
     )
     with Words():
         if isinstance(target, (str, os.PathLike)):
-            found = _aureole.layer_of_file(file_path("target", target), _defines(defines or {}), *numbers)
+            found = _aureole.layer_of_file(file_path("target", target), defines_of(defines), *numbers)
         else:
             from ._plot_support import as_bsdf
 
@@ -309,7 +308,7 @@ def medium(
     options = (scalar("step", step, minimum=0, maximum=1e9, unit="nm"), metres, tuple(point.tolist()), tuple(direction.tolist()))
     with Words():
         if isinstance(target, (str, os.PathLike)):
-            found = _aureole.medium_of_file(file_path("target", target), _defines(defines or {}), *options)
+            found = _aureole.medium_of_file(file_path("target", target), defines_of(defines), *options)
         elif isinstance(target, _aureole.Medium):
             found = _aureole.medium(target, *options)
         else:

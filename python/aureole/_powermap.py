@@ -15,10 +15,10 @@ from . import _aureole
 from ._arrays import file_path, flag, integer, real, scalar, text
 from ._errors import Error
 from ._image import Image
-from ._instrument_support import Words
+from ._instrument_support import Words, defines_of
 from ._render import Report, render
 from ._results import Table
-from ._scene import Scene, _defines
+from ._scene import Scene
 from ._wording import python_names
 
 Reals = npt.NDArray[np.float64]
@@ -273,13 +273,13 @@ def _opened(
         scalar("cell", cell, minimum=0),
     )
     if isinstance(scene, Scene):
-        if any(option not in ("", None, False, 0.0) and option != [] for option in options) or defines:
+        if any(option not in ("", None, False, 0.0) and option != [] for option in options) or defines is not None:
             raise Error("scene: the integrator, a plane, transmitters and defines need the path of a scene, not a Scene")
         return scene
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"scene: expected a Scene or a path, got {type(scene).__name__}")
     with Words():
-        opened, notes = _aureole.load_power_map(file_path("scene", scene), _defines(defines or {}), *options)
+        opened, notes = _aureole.load_power_map(file_path("scene", scene), defines_of(defines), *options)
     result = Scene(opened)
     for note in [*result.notes, *notes]:
         warnings.warn(python_names(note), stacklevel=3)
