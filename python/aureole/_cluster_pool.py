@@ -23,7 +23,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 from ._cluster_worker import Answer, Bundle, describe, hash_of_file, open_scene, receive
 from ._errors import Error
 
-TICK_S = 0.01  # between two looks at the tasks
+TICK_S = 0.02  # between two looks at the tasks
 LOOK_S = 1.0  # between two looks at the list of workers
 ANSWER_S = 30.0  # for the list of workers
 FETCH_S = 120.0  # for the result of a task that has ended
