@@ -241,7 +241,7 @@ def main():
     print(f"{a.scene} at {scene.size[0]} x {scene.size[1]}, {a.spp} samples: {alone_s:.2f} s by one thread, {alone_cpu:.2f} s of CPU")
     c = costs(scene, a.spp)
     for count in map(int, a.workers.split(",")):
-        with distributed.Client(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as client:
+        with distributed.Client(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=":0") as client:
             rendered(scene, 16, client)  # loads the scene
             seconds, image, cpu, caller = min((rendered(scene, a.spp, client, part_seconds=2.0) for _ in range(2)), key=lambda found: found[0])
             c["task_s"] = round_trip(client)

@@ -106,7 +106,7 @@ def _client(a: Any) -> Iterator[Any]:
     with contextlib.ExitStack() as stack:
         if a.local is not None:
             local = stack.enter_context(
-                distributed.LocalCluster(n_workers=a.local, threads_per_worker=1, processes=True, dashboard_address=None)
+                distributed.LocalCluster(n_workers=a.local, threads_per_worker=1, processes=True, dashboard_address=":0")
             )
             client = stack.enter_context(distributed.Client(local))
         elif os.path.exists(a.scheduler):

@@ -61,7 +61,7 @@ def alone(scene):
 
 @contextlib.contextmanager
 def workers_here(count):
-    with distributed.LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as workers:
+    with distributed.LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=":0") as workers:
         with distributed.Client(workers) as client:
             yield client
 
@@ -136,7 +136,7 @@ def test_the_same_bits_with_one_two_and_four_workers(scene, alone, client):
     done = [s[:2] for s in seen if isinstance(s, tuple)]
     assert done == sorted(done) and done[-1][0] == done[-1][1]
     for count in (1, 4):
-        with distributed.Client(n_workers=count, threads_per_worker=1, processes=False, dashboard_address=None) as one:
+        with distributed.Client(n_workers=count, threads_per_worker=1, processes=False, dashboard_address=":0") as one:
             assert same(cluster.render(scene, one, part_seconds=0.1, progress=False), alone)
 
 
@@ -325,7 +325,7 @@ def test_rows_of_a_sweep(scene, client, tmp_path):
 def test_stores(scene, alone, client, tmp_path):
     assert same(cluster.render(scene, client, store=f"file://{tmp_path}/store", part_seconds=0.1, progress=False), alone)
     assert sorted(os.listdir(tmp_path / "store")) == sorted(digest for _, digest, _ in cluster.bundle(scene).files)
-    with distributed.Client(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as here:
+    with distributed.Client(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0") as here:
         _cluster_worker.shelf = _cluster_worker._Shelf()  # has no files yet
         image = cluster.render(scene, here, store="memory://aureole", checkpoint="memory://a.state", progress=False)
         assert same(image, alone)
