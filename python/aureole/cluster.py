@@ -223,6 +223,7 @@ class _Parts(Tasks):
         self._unverified: Dict[_Units, Tuple[str, Part]] = {}
         self._done = self._done_before = self._units - self._missing.count()
         self._add_s = 0.0  # that adding a part takes
+        self._verified = 0  # parts
         self._needs_densities = bool(self._sum.is_adaptive and not self._sum.has_densities)
         self._start: Optional[bytes] = None
         self._pilot: Optional[Tuple[int, int, int]] = None
@@ -239,6 +240,8 @@ class _Parts(Tasks):
         except BaseException:
             self._save()
             raise
+        if self._verify > 0 and self._verified == 0 and self._done > self._done_before:
+            warnings.warn("no part was verified: that needs two workers, and parts enough", stacklevel=3)
         if self._unverified:  # no second worker was there
             warnings.warn(f"{len(self._unverified)} parts could not be verified: only one worker was left", stacklevel=3)
             for (begin, end), (_, part) in list(self._unverified.items()):
@@ -322,6 +325,7 @@ class _Parts(Tasks):
                 + (f", and without the checkpoint {self._checkpoint.path}" if self._checkpoint else "")
             )
         self._done_tasks.add(task)
+        self._verified += 1
         del self._unverified[units]
         self._add((*units, 0), first)
         return None

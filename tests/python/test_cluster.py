@@ -145,6 +145,12 @@ def test_replicates_verified(scene, client):
     assert same(many, aureole.render(scene, 32, seed=5, replicates=2, progress=False))
 
 
+def test_one_worker_verifies_nothing_and_says_so(scene, alone):
+    with distributed.Client(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0") as one:
+        with pytest.warns(UserWarning, match="no part was verified"):
+            assert same(cluster.render(scene, one, verify=1, progress=False), alone)
+
+
 def test_adaptive_samples(scene, client):
     image = cluster.render(scene, client, adaptive="absolute", part_seconds=0.1, progress=False)
     assert same(image, aureole.render(scene, adaptive="absolute", progress=False))
