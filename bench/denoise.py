@@ -21,9 +21,9 @@ from aureole import _denoise
 
 SCENES = {
     "demo": ("scenes/condensation/condensation.xml", {"width": 240, "height": 160}),
-    "fog": ("scenes/media/fog.xml", {"width": 200, "height": 120}),
-    "wax": ("scenes/marble/marble.xml", {"width": 160, "height": 160}),
-    "milk": ("scenes/milk/milk.xml", {"width": 120, "height": 160}),
+    "fog": ("scenes/media/fog.xml", {"width": 120, "height": 75}),
+    "wax": ("scenes/marble/marble.xml", {"width": 120, "height": 45}),
+    "milk": ("scenes/milk/milk.xml", {"width": 120, "height": 67}),
 }
 
 
