@@ -61,10 +61,14 @@ public:
     return *options_.emplace_back(
         std::make_unique<CommandOption>(std::move(names), &target, std::move(help)));
   }
+  /// Makes `words` receive all that follows the command's name, options included, for a command that another program reads.
+  void pass_on(std::vector<std::string>& words) { words_ = &words; }
   const std::vector<std::unique_ptr<CommandOption>>& all() const { return options_; }
 
 private:
+  friend class CommandLine;
   std::vector<std::unique_ptr<CommandOption>> options_;
+  std::vector<std::string>* words_ = nullptr;
 };
 
 struct Command {

@@ -59,7 +59,12 @@ private:
     const auto& options = declared_.emplace_back(std::make_unique<CommandOptions>());
     const std::function<int()> action = command.declare(*options);
     for (const auto& option : options->all()) add(*sub, *option);
-    sub->callback([this, action, all = options.get()] {
+    if (options->words_) {
+      sub->prefix_command();
+      sub->set_help_flag();
+    }
+    sub->callback([this, action, sub, all = options.get()] {
+      if (all->words_) *all->words_ = sub->remaining();
       for (const auto& option : all->all()) {
         const auto* file = std::get_if<std::string*>(&option->target_);
         if (option->names_output_ && file && !(*file)->empty()) require_writable(**file);

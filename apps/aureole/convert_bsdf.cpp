@@ -16,14 +16,14 @@
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
 #include "aureole/core/output_file.h"
+#include "aureole/instrument/find_object.h"
 #include "aureole/instrument/measured/rgl_writer.h"
 #include "aureole/instrument/measured/scattering_probe.h"
 #include "aureole/instrument/measured/table_writers.h"
+#include "aureole/instrument/wavelength_steps.h"
 #include "aureole/loading/load.h"
 #include "command.h"
-#include "find_bsdf.h"
 #include "messages.h"
-#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {

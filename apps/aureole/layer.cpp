@@ -4,28 +4,18 @@
 // samples, so that the command works for any BSDF.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "aureole/asset/asset.h"
-#include "aureole/bsdf/bsdf.h"
-#include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
-#include "aureole/core/parallel.h"
-#include "aureole/instrument/light_budget.h"
+#include "aureole/instrument/find_object.h"
+#include "aureole/instrument/layer_figures.h"
 #include "aureole/loading/load.h"
-#include "aureole/spectrum/observer.h"
-#include "aureole/spectrum/tables.h"
 #include "command.h"
-#include "find_bsdf.h"
 #include "messages.h"
-#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {
@@ -38,69 +28,17 @@ struct LayerOptions {
   int samples = 1 << 16;
 };
 
-/// Returns X, Y, Z of the illuminant times a spectral fraction, relative to the illuminant's Y.
-std::array<double, 3> tristimulus(const std::vector<LightBudget>& rows, const SampledSpectrum& lamp,
-                                  const SpectralGrid& grid,
-                                  const std::function<double(const LightBudget&)>& fraction) {
-  const auto xyz = observer_xyz(grid);
-  std::array<double, 3> sum{};
-  double white = 0;
-  for (int i = 0; i <= grid.cells; ++i) {
-    const double nm = grid.node(i), light = double(lamp.nodes()[std::size_t(i)]);
-    const double x = std::clamp((nm - rows.front().nm) / std::max(rows[1].nm - rows[0].nm, 1e-9), 0.0,
-                                double(rows.size() - 1));
-    const std::size_t k = std::min(std::size_t(x), rows.size() - 2);
-    const double f = std::lerp(fraction(rows[k]), fraction(rows[k + 1]), x - double(k));
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += light * f * double(xyz[c].nodes()[std::size_t(i)]);
-    white += light * double(xyz[1].nodes()[std::size_t(i)]);
-  }
-  for (double& c : sum) c /= white;
-  return sum;
-}
-
-struct Quantity {
-  const char *name, *key;
-  double (*of)(const LightBudget&);
-};
-constexpr Quantity kQuantities[] = {
-    {"direct T", "direct_transmission", [](const LightBudget& b) { return b.direct_transmission; }},
-    {"near T", "diffuse_transmission_near", [](const LightBudget& b) { return b.near_transmission; }},
-    {"far T", "diffuse_transmission_far", [](const LightBudget& b) { return b.far_transmission; }},
-    {"total T", "total_transmission", [](const LightBudget& b) { return b.transmission(); }},
-    {"direct R", "direct_reflection", [](const LightBudget& b) { return b.direct_reflection; }},
-    {"diffuse R", "diffuse_reflection", [](const LightBudget& b) { return b.diffuse_reflection; }},
-    {"total R", "total_reflection", [](const LightBudget& b) { return b.reflection(); }},
-    {"lost", "lost", [](const LightBudget& b) { return b.lost(); }}};
-
 int layer(const LayerOptions& options) {
-  const std::size_t mark = options.target.rfind('#');
-  const std::string file = options.target.substr(0, mark);
+  const auto [file, id] = file_and_id(options.target);
   LoadOptions load;
   load.defines = split_defines(options.defines);
   const LoadedObjects loaded = load_objects(file, load);
   for (const auto& note : loaded.notes) tell("note: {}\n", note);
-  const auto bsdf = find_bsdf(loaded, file, mark == std::string::npos ? "" : options.target.substr(mark + 1));
-  const SpectralGrid grid = loaded.context->grid;
-  const auto table = find_illuminant(options.illuminant);
-  if (!table)
-    throw Error("--illuminant: unknown illuminant \"" + options.illuminant + "\"" +
-                did_you_mean(options.illuminant, illuminant_names()));
-  const SampledSpectrum lamp = SampledSpectrum::from_points(grid, table->wavelengths_nm, table->values);
-
-  const double theta = options.angle * M_PI / 180, phi = options.azimuth * M_PI / 180;
-  const Vec3 wi{float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
-                float(std::cos(theta))};
-  const LightBudgetSettings settings{
-      options.haze_angle, options.samples, {float(options.at[0]), float(options.at[1])}};
-  std::vector<LightBudget> rows;
-  for (const double nm : wavelength_steps(grid, options.step, 20)) rows.emplace_back().nm = nm;
-  for_ranges(
-      rows.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          rows[i] = measure_light_budget(*bsdf, wi, rows[i].nm, grid, settings);
-      },
-      1);
+  const auto bsdf = find_bsdf(loaded, file, id);
+  LayerSettings settings{options.angle, options.azimuth, options.step, options.illuminant, {}};
+  settings.budget = {options.haze_angle, options.samples, {float(options.at[0]), float(options.at[1])}};
+  const LayerFigures figures = measure_layer(*bsdf, loaded.context->grid, settings);
+  const std::vector<LightBudget>& rows = figures.rows;
 
   fmt::print("{} ({}), light at {:g} degrees, {} samples per wavelength\n", options.target,
              bsdf->properties().type(), options.angle, options.samples);
@@ -110,18 +48,17 @@ int layer(const LayerOptions& options) {
       "direction, far: beyond.\n\n",
       options.haze_angle);
   fmt::print("{:>8}", "nm");
-  for (const Quantity& q : kQuantities) fmt::print("{:>11}", q.name);
+  for (const LayerQuantity& q : kLayerQuantities) fmt::print("{:>11}", q.name);
   fmt::print("{:>9}\n", "haze");
   const auto haze = [](double far, double total) {
-    return total > 0 ? fmt::format("{:8.2f} %", 100 * far / total) : std::string("       -");
+    return total > 0 && std::isfinite(far) ? fmt::format("{:8.2f} %", 100 * far / total)
+                                           : std::string("       -");
   };
   for (const LightBudget& b : rows) {
     fmt::print("{:8.1f}", b.nm);
-    for (const Quantity& q : kQuantities) fmt::print("{:11.5f}", q.of(b));
+    for (const LayerQuantity& q : kLayerQuantities) fmt::print("{:11.5f}", q.of(b));
     fmt::print("{}\n", haze(b.far_transmission, b.transmission()));
   }
-  const bool visible =
-      rows.size() > 1 && tristimulus(rows, lamp, grid, [](const LightBudget&) { return 1.0; })[1] > 0;
   nlohmann::json out = {{"target", options.target},
                         {"angle_degrees", options.angle},
                         {"illuminant", options.illuminant},
@@ -129,18 +66,16 @@ int layer(const LayerOptions& options) {
                         {"samples", options.samples}};
   for (const LightBudget& b : rows) {
     nlohmann::json row = {{"nm", b.nm}};
-    for (const Quantity& q : kQuantities) row[q.key] = q.of(b);
+    for (const LayerQuantity& q : kLayerQuantities) row[q.key] = q.of(b);
     out["wavelengths"].push_back(row);
   }
-  if (visible) {
+  if (!figures.xyz.empty()) {
     fmt::print("\nCIE 1931 observer, illuminant {}: luminous fraction Y and chromaticity x, y\n",
                options.illuminant);
-    double far = 0, total = 0;
-    for (const Quantity& q : kQuantities) {
-      const auto c = tristimulus(rows, lamp, grid, q.of);
+    for (std::size_t k = 0; k < kLayerQuantities.size(); ++k) {
+      const LayerQuantity& q = kLayerQuantities[k];
+      const auto& c = figures.xyz[k];
       const double sum = c[0] + c[1] + c[2];
-      if (q.key == std::string("diffuse_transmission_far")) far = c[1];
-      if (q.key == std::string("total_transmission")) total = c[1];
       nlohmann::json entry = {{"Y", c[1]}};
       fmt::print("  {:<10} Y {:.5f}", q.name, c[1]);
       if (sum > 1e-4) {
@@ -150,9 +85,10 @@ int layer(const LayerOptions& options) {
       fmt::print("\n");
       out["cie"][q.key] = entry;
     }
-    fmt::print("  haze       {} of the transmitted light leaves beyond {:g} degrees\n", haze(far, total),
+    const double part = figures.haze();
+    fmt::print("  haze       {} of the transmitted light leaves beyond {:g} degrees\n", haze(part, 1),
                options.haze_angle);
-    if (total > 0) out["cie"]["haze"] = far / total;
+    if (std::isfinite(part)) out["cie"]["haze"] = part;
   }
   if (!options.json.empty()) write_file_atomically(options.json, out.dump(1) + "\n");
   return 0;

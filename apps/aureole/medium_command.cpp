@@ -12,14 +12,15 @@
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
+#include "aureole/instrument/find_object.h"
 #include "aureole/instrument/medium_figures.h"
 #include "aureole/instrument/report/svg_plot.h"
+#include "aureole/instrument/wavelength_steps.h"
 #include "aureole/loading/load.h"
 #include "aureole/spectrum/observer.h"
 #include "command.h"
 #include "messages.h"
 #include "table_progress_line.h"
-#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {
@@ -30,26 +31,6 @@ struct MediumOptions {
   std::vector<double> at{0, 0, 0}, along{0, 0, 1};
   double step = 0;
 };
-
-/// Returns the medium with that id; without an id, the only medium of the scene.
-MediumPtr find_medium(const LoadedObjects& loaded, const std::string& file, const std::string& id) {
-  std::vector<MediumPtr> all;
-  std::vector<std::string> known;
-  for (const auto& [its_id, object] : loaded.objects) {
-    const auto medium = std::dynamic_pointer_cast<const Medium>(object);
-    if (!medium) continue;
-    if (!id.empty() && its_id == id) return medium;
-    if (!its_id.empty()) known.push_back(its_id);
-    if (std::find(all.begin(), all.end(), medium) == all.end()) all.push_back(medium);
-  }
-  if (id.empty() && all.size() == 1) return all[0];
-  std::string message = !id.empty()   ? "no medium has the id \"" + id + "\"" + did_you_mean(id, known)
-                        : all.empty() ? "the scene has no medium"
-                                      : fmt::format("name one of the {} media after \"#\"", all.size());
-  if (all.empty() && !id.empty()) message += "; the scene has no medium";
-  if (!known.empty()) message += fmt::format("; there are {}", fmt::join(known, ", "));
-  throw Error({file, 0, 0}, message);
-}
 
 std::string length_text(double metres) {
   if (!std::isfinite(metres)) return "-";
@@ -115,8 +96,7 @@ int medium(const MediumOptions& o) {
   const Vec3 along{float(o.along[0]), float(o.along[1]), float(o.along[2])};
   if (!(length_squared(along) > 0)) throw Error("--along: the direction has no length");
   const Vec3 d = normalize(along);
-  const std::size_t mark = o.target.rfind('#');
-  const std::string file = o.target.substr(0, mark);
+  const auto [file, id] = file_and_id(o.target);
   LoadOptions load;
   load.defines = split_defines(o.defines);
   const LoadedObjects loaded = [&] {
@@ -125,8 +105,7 @@ int medium(const MediumOptions& o) {
     return load_objects(file, load);
   }();
   for (const auto& note : loaded.notes) tell("note: {}\n", note);
-  const MediumPtr found =
-      find_medium(loaded, file, mark == std::string::npos ? "" : o.target.substr(mark + 1));
+  const MediumPtr found = find_medium(loaded, file, id);
   const std::vector<MediumFigures> rows =
       measure_medium(*found, wavelength_steps(found->properties().context().grid, o.step, 25), point, d);
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command ``aureole`` that the package installs."""
+import importlib
 import signal
 import sys
 
@@ -17,6 +18,9 @@ def main() -> int:
         if any("\udc80" <= c <= "\udcff" for c in argument):
             print(f"error: {argument!a}: expected an argument in UTF-8", file=sys.stderr)
             return 2
+    if arguments[:1] in (["cluster"], ["denoise"]):
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        return int(importlib.import_module(f"aureole._{arguments[0]}_command").main(arguments[1:]))
     return run_command_line(["aureole", *arguments])
 
 

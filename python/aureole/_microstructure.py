@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Union
@@ -18,10 +17,11 @@ from ._correlations import PairCorrelation, PointStructureFactor
 from ._dict import plugins
 from ._errors import Error
 from ._image import Image
+from ._units import length_m
+from ._wording import python_names
 from .spectrum import srgb_decode
 
 Reals = npt.NDArray[np.float64]
-_UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 
 class Estimate(NamedTuple):
@@ -333,7 +333,7 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
             _choice("scatterer", scatterer, ("auto", "apertures", "discs", "spheres")),
             "" if int_ior is None else str(int_ior))
     except Error as e:
-        raise type(e)(_python_names(str(e))) from None
+        raise type(e)(python_names(str(e))) from None
     return _described(result)
 
 
@@ -353,7 +353,7 @@ def _described(result: Any) -> Microstructure:
         pair_correlation=PairCorrelation(r * a, g, g_error, np.maximum(g - 1.96 * g_error, 0), g + 1.96 * g_error),
         structure_factor=PointStructureFactor(u / a, s, s_error, np.maximum(s - 1.96 * s_error, 0), s + 1.96 * s_error),
         overlays=[Image._of(p) for p in result.overlays], fields=numbers["fields"],
-        choices=[_python_names(c) for c in numbers["choices"]], notes=[_python_names(n) for n in numbers["notes"]],
+        choices=[python_names(c) for c in numbers["choices"]], notes=[python_names(n) for n in numbers["notes"]],
         scene_text=result.scene_text, _result=result)
 
 
@@ -397,17 +397,7 @@ def _field(name: str, value: Any, pixel: float, mask: Any, srgb: bool) -> Any:
 
 
 def _length(name: str, value: Any) -> float:
-    if not isinstance(value, str):
-        return scalar(name, value, minimum=1e-10, maximum=1, unit='m (or a string with its unit, such as "0.2um")')
-    m = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zµ]+)\s*", value)
-    try:
-        if m is None or m[2] not in _UNITS:
-            raise ValueError
-        return scalar(name, float(m[1]) * _UNITS[m[2]], minimum=1e-10, maximum=1, unit="m")
-    except ValueError as e:
-        if isinstance(e, Error):
-            raise
-        raise Error(f'{name}: expected a length with its unit, such as "0.2um", got {value!r}') from None
+    return length_m(name, value, minimum=1e-10, maximum=1)
 
 
 def _choice(name: str, value: Any, names: Tuple[str, ...]) -> int:
@@ -416,11 +406,6 @@ def _choice(name: str, value: Any, names: Tuple[str, ...]) -> int:
     if value not in names:
         raise Error(f"{name}: expected one of {', '.join(names)}, got {value!r}")
     return names.index(value)
-
-
-def _python_names(message: str) -> str:
-    """Options of the command line by the names of the arguments."""
-    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda m: m[1].replace("-", "_"), message)
 
 
 __all__ = ["Estimate", "Microstructure", "Particles", "microstructure"]

@@ -67,8 +67,6 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
         raise TypeError(f"adaptive: expected a string, got {type(adaptive).__name__}")
     if start is not None and not isinstance(start, Image):
         raise TypeError(f"start: expected an Image, got {type(start).__name__}")
-    if not isinstance(progress, bool) and not callable(progress):
-        raise TypeError(f"progress: expected True, False or a function, got {type(progress).__name__}")
     with _Bar(progress) as report:
         try:
             picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit, adaptive,
@@ -128,10 +126,12 @@ def _refinements(scene: Scene, end: int, step: Optional[int], seed: Optional[int
 
 
 class _Bar:
-    """A progress bar, as a context manager: the bar of tqdm, for terminals and notebooks."""
+    """A bar while it is entered: tqdm's, which knows terminals and notebooks. `remark` is shown behind the speed."""
 
-    def __init__(self, progress: Union[bool, Report]) -> None:
-        self._progress = progress
+    def __init__(self, progress: Union[bool, Report], remark: Optional[Callable[[], str]] = None, unit: str = "tile") -> None:
+        if not isinstance(progress, bool) and not callable(progress):
+            raise TypeError(f"progress: expected True, False or a function, got {type(progress).__name__}")
+        self._progress, self._remark, self._unit = progress, remark, unit
         self._bar: Any = None
 
     def __enter__(self) -> Optional[Report]:
@@ -147,8 +147,10 @@ class _Bar:
                 warnings.simplefilter("ignore")  # a notebook without ipywidgets shows a bar of text without a warning
                 from tqdm.auto import tqdm
 
-            self._bar = tqdm(total=units, unit="tile", leave=False, delay=0.5, dynamic_ncols=True)
-        self._bar.set_postfix_str(f"{rate * 1e-6:.2f} Msamples/s", refresh=False)
+            self._bar = tqdm(total=units, unit=self._unit, leave=False, delay=0.5, dynamic_ncols=True)
+        words = [f"{rate * 1e-6:.2f} Msamples/s"] if rate > 0 else []
+        words += [self._remark()] if self._remark is not None else []
+        self._bar.set_postfix_str(", ".join(words), refresh=False)
         self._bar.update(done - self._bar.n)
 
     def __exit__(self, *exception: Any) -> None:

@@ -17,6 +17,11 @@ def in_python(message: str) -> str:
     return _ELEMENT.sub(_entry, message)
 
 
+def python_names(message: str) -> str:
+    """The message with options of the command line by the names of the arguments: ``--pixel-size`` becomes ``pixel_size``."""
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda m: m[1].replace("-", "_"), message)
+
+
 def _entry(element: "re.Match[str]") -> str:
     tag, attributes = element["tag"], dict(_ATTRIBUTE.findall(element["attributes"]))
     if not attributes:

@@ -15,6 +15,8 @@
 #include <mutex>
 #include <thread>
 
+#include "aureole/film/film.h"
+#include "aureole/instrument/radio/power_map_scene.h"
 #include "aureole/loading/aliases.h"
 #include "aureole/loading/document.h"
 #include "aureole/loading/values.h"
@@ -257,7 +259,7 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
   {
     const Unlocked release;
     picture->state = std::make_shared<const RenderState>(job->state());
-    picture->image = picture->state->picture();
+    if (!options.units) picture->image = picture->state->picture();  // parts are not shown
     for (const InvalidSample& s : job->invalid_samples())
       picture->invalid.push_back({s.x, s.y, s.sample, s.replicate});
   }
@@ -331,6 +333,13 @@ void bind_scene(nb::module_& m) {
                      return notes;
                    })
       .def_prop_ro("hash", [](OpenScene& s) { return s.loaded().hash; })
+      .def_prop_ro("files",
+                   [](OpenScene& s) {
+                     std::vector<std::string> names;
+                     for (const auto& file : s.loaded().files)
+                       names.push_back(std::filesystem::absolute(file).lexically_normal().string());
+                     return names;
+                   })
       .def_prop_ro("file", [](OpenScene& s) { return file_name(s.loaded().file.string()); })
       .def_prop_ro("sample_count", [](OpenScene& s) { return s.scene()->sensor().sampler().sample_count(); })
       .def_prop_ro("size",
@@ -356,8 +365,9 @@ void bind_scene(nb::module_& m) {
       [](const std::shared_ptr<OpenScene>& scene, std::int64_t begin, std::optional<std::int64_t> end,
          std::optional<std::uint64_t> seed, int threads, int replicates, double time_limit_s,
          const std::optional<std::string>& adaptive, const std::shared_ptr<Picture>& start,
-         const nb::object& progress) {
+         const nb::object& progress, const std::optional<std::pair<std::int64_t, std::int64_t>>& units) {
         RenderOptions options;
+        if (units) options.units = UnitRanges::Range{units->first, units->second};
         if (adaptive) options.adaptive = adaptive_target(*adaptive);
         options.begin = begin, options.end = end, options.seed = seed;
         options.threads = threads, options.replicates = replicates, options.time_limit_s = time_limit_s;
@@ -365,7 +375,87 @@ void bind_scene(nb::module_& m) {
       },
       nb::arg("scene"), nb::arg("begin"), nb::arg("end").none(), nb::arg("seed").none(), nb::arg("threads"),
       nb::arg("replicates"), nb::arg("time_limit_s"), nb::arg("adaptive").none(), nb::arg("start").none(),
-      nb::arg("progress").none());
+      nb::arg("progress").none(), nb::arg("units").none() = nb::none());
+
+  m.def(
+      "empty_picture",
+      [](const std::shared_ptr<OpenScene>& scene, std::optional<std::int64_t> end,
+         std::optional<std::uint64_t> seed, int replicates, const std::optional<std::string>& adaptive) {
+        RenderOptions options;
+        if (adaptive) options.adaptive = adaptive_target(*adaptive);
+        options.end = end, options.seed = seed, options.replicates = replicates;
+        const LoadedScene built = scene->loaded();
+        auto picture = std::make_shared<Picture>();
+        const Unlocked release;
+        picture->state = std::make_shared<const RenderState>(planned_state(built, options));
+        picture->image = picture->state->picture();
+        return picture;
+      },
+      nb::arg("scene"), nb::arg("end").none(), nb::arg("seed").none(), nb::arg("replicates"),
+      nb::arg("adaptive").none(), "The picture of a scene without a sample, to which parts are added.");
+
+  m.def(
+      "load_power_map",
+      [](const std::string& file, const Defines& defines, const std::string& integrator,
+         std::optional<int> max_depth, bool diffraction, const std::string& diffraction_model,
+         const std::vector<double>& plane, const std::vector<double>& normal, const std::vector<double>& size,
+         const std::vector<double>& transmitters, const std::string& frequency, double cell) {
+        for (const auto& [name, numbers, count] :
+             {std::tuple("plane", &plane, 3), {"normal", &normal, 3}, {"size", &size, 2}})
+          if (!numbers->empty() && numbers->size() != std::size_t(count))
+            throw Error(std::string(name) + ": expected " + std::to_string(count) + " numbers");
+        PowerMapSettings settings{file,  integrator, defines, max_depth,    diffraction, diffraction_model,
+                                  plane, normal,     size,    transmitters, frequency,   cell};
+        const Unlocked release;
+        const LoadingSignals signals;
+        PowerMapSource source = power_map_source(settings);
+        source.load.progress = signals.progress();
+        auto opened = signals.run([&] {
+          return source.text ? std::make_shared<OpenScene>(*source.text, source.file, source.load)
+                             : std::make_shared<OpenScene>(source.file, source.load);
+        });
+        return std::pair(opened, [&] {
+          const nb::gil_scoped_acquire lock;
+          return power_map_notes(settings, opened->loaded());
+        }());
+      },
+      nb::arg("file"), nb::arg("defines"), nb::arg("integrator"), nb::arg("max_depth").none(),
+      nb::arg("diffraction"), nb::arg("diffraction_model"), nb::arg("plane"), nb::arg("normal"),
+      nb::arg("size"), nb::arg("transmitters"), nb::arg("frequency"), nb::arg("cell"),
+      "The scene of a power map, and notes on light that it misses.");
+  m.def(
+      "require_power_map",
+      [](const std::shared_ptr<OpenScene>& scene) { require_power_map(*scene->scene()); }, nb::arg("scene"));
+  m.def(
+      "power_maps",
+      [](const std::shared_ptr<OpenScene>& scene, const Picture& picture, const std::string& power) {
+        const auto built = scene->scene();
+        const Film& film = built->film();
+        if (picture.image.width != film.crop_width() || picture.image.height != film.crop_height())
+          throw Error("image: expected a picture of this scene, with its width and height");
+        for (const std::string& name : film.channel_names())
+          if (picture.image.channel(name) < 0)
+            throw Error("image: expected a picture of this scene, with the channel " + name);
+        std::vector<PowerMap> maps;
+        {
+          const Unlocked release;
+          std::optional<double> watts;
+          if (!power.empty()) watts = parse_power_w(power);
+          maps = power_maps(*built, picture.image, watts);
+        }
+        nb::list all;
+        for (const PowerMap& map : maps) {
+          nb::dict d;
+          d["channel"] = map.channel, d["band"] = band_text(map), d["width"] = map.width;
+          d["height"] = map.height, d["min_nm"] = map.min_nm, d["max_nm"] = map.max_nm;
+          d["wavelength"] = map.wavelength_m, d["power"] = map.power_w, d["density"] = map.density;
+          d["free_space"] = map.free, d["error"] = map.error, d["relative_db"] = map.relative_db();
+          d["received_dbm"] = map.received_dbm(), d["error_db"] = map.error_db();
+          all.append(d);
+        }
+        return all;
+      },
+      nb::arg("scene"), nb::arg("picture"), nb::arg("power"));
 
   m.def(
       "did_you_mean",

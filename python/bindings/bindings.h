@@ -16,6 +16,8 @@ void bind_objects(nb::module_& m);      ///< plug-in objects over arrays: BSDFs,
 void bind_python_bsdf(nb::module_& m);  ///< BSDFs written in Python
 void bind_scene(nb::module_& m);        ///< scenes, their parameters, rendering
 void bind_image(nb::module_& m);        ///< pictures
+void bind_parts(nb::module_& m);        ///< parts of pictures from several machines
+void bind_instruments(nb::module_& m);  ///< instruments that the command line has, too
 void bind_optics(nb::module_& m);       ///< physics without a renderer
 void bind_pigment(nb::module_& m);      ///< paints
 void bind_spectrum(nb::module_& m);     ///< observer, illuminants, colour, refractive indices

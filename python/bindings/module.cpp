@@ -30,6 +30,8 @@ NB_MODULE(_aureole, m) {
   bind_python_bsdf(m);
   bind_image(m);
   bind_scene(m);
+  bind_parts(m);
+  bind_instruments(m);
   bind_spectrum(m);
   bind_check(m);
   bind_microstructure(m);

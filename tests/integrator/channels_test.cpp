@@ -159,6 +159,36 @@ TEST(Depth, IsTheLuminanceOfAFlatSpectrum) {
   EXPECT_EQ(value(image, "A", 0, 12), 0.f);
 }
 
+// A mirror before the sensor shows a wall behind it, a pane the ball behind it.
+TEST(Aov, FollowsMirrorsAndPanes) {
+  const auto with = [](int depth, const std::string& content) {
+    return picture(
+        scene_with(R"(<integrator type="aov"><string name="aovs" value="a:albedo,d.y:depth,n:sh_normal"/>
+        <integer name="specular_depth" value=")" +
+                       std::to_string(depth) + "\"/></integrator>",
+                   content, "sobol", 256));
+  };
+  const std::string mirror = R"(
+<shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="90"/></transform>
+  <bsdf type="twosided"><bsdf type="conductor"><string name="material" value="none"/></bsdf></bsdf></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate x="1" angle="90"/><translate y="-8"/></transform>
+  <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.7"/></bsdf></bsdf></shape>)";
+  const Image front = with(0, mirror), behind = with(1, mirror);
+  EXPECT_EQ(value(front, "a.G", 12, 12), 0.f);
+  EXPECT_NEAR(value(front, "d.y.T", 12, 12), 5 - 0.5, 0.01);
+  EXPECT_NEAR(value(behind, "a.R", 12, 12), 0.2, 2e-3);
+  EXPECT_NEAR(value(behind, "a.G", 12, 12), 0.5, 2e-3);
+  EXPECT_NEAR(value(behind, "d.y.T", 12, 12), 5 + 8 - 0.5, 0.02);
+  EXPECT_NEAR(std::abs(value(behind, "n.Y", 12, 12)), 1, 1e-5);
+  const std::string pane = R"(
+<shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="90"/><translate y="-2"/></transform>
+  <bsdf type="thindielectric"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf></shape>)" +
+                           kBallAndWall;
+  // Two surfaces of an index of 1.5 transmit 2 n/(n^2 + 1), and nothing lies where they reflect.
+  constexpr double kTransmitted = 2 * 1.5 / (1.5 * 1.5 + 1);
+  EXPECT_NEAR(value(with(2, pane), "a.G", 12, 12), 0.5 * kTransmitted, 0.01);
+}
+
 // In a band outside the visible, colours are the band's mean: the reflectance itself.
 TEST(Aov, OutsideTheVisibleColoursAreMeans) {
   const Image image = picture(scene_with(

@@ -139,6 +139,19 @@ def file(name):
     return path
 
 
+def fog():
+    return aureole.load_dict({"type": "homogeneous", "sigma_t": 2.0, "albedo": 0.5}, family="medium")
+
+
+def torn_bytes(content, number):
+    """Content with some bytes changed or cut off."""
+    rng = random.Random(number)
+    data = bytearray(content)
+    for _ in range(rng.choice([0, 1, 3, 20])):
+        data[rng.randrange(len(data))] = rng.choice([0, 1, 127, 128, 255])
+    return bytes(data[: rng.choice([len(data), rng.randrange(len(data) + 1)])])
+
+
 def text_file(text):
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{os.getpid()}.xml"
@@ -334,7 +347,7 @@ INSTANCES = {
     "aureole.optics.StructureFactor": ["optics.StructureFactor.percus_yevick(0.4)"], "aureole._aureole.OpenScene": ["scene()._open"], "aureole._aureole.Picture": ["rendered()._picture", "image()._picture"],
     "aureole.optics.EdgeWaves": ["optics.EdgeWaves.polygon([(0, 0), (1, 0), (0, 1)], sigma=1.0)"],
     "aureole._aureole.DiffractingEdges": ["_aureole.DiffractingEdges(np.array([0, 0, 1.0, 0]), np.ones(2, complex), 'beam', 1.0)"],
-    "aureole._aureole.Array": ["_aureole.Array(np.ones((2, 3)))"], "aureole._aureole.StructureFactor": ["_aureole.percus_yevick_factor(0.4)"], "aureole._aureole.Object": ["scene()['sensor.film']"],
+    "aureole._aureole.PartSum": ["_aureole.PartSum(rendered()._picture)"], "aureole._aureole.Array": ["_aureole.Array(np.ones((2, 3)))"], "aureole._aureole.StructureFactor": ["_aureole.percus_yevick_factor(0.4)"], "aureole._aureole.Object": ["scene()['sensor.film']"],
 }
 #: Calls that the names of parameters do not get right.
 EXAMPLES = {
@@ -386,6 +399,16 @@ EXAMPLES = {
     "_aureole.DiffractingEdges.pdf": [["np.ones(4)", "np.empty(2)"]], "_aureole.DiffractingEdges.sample": [["1", "np.empty(4)"]],
     "aureole.optics.StructureFactor.table": [["[0, 1.0]", "[0.5, 1.0]"]], "aureole.optics.StructureFactor.at": [["[[0.5, 1]]"]], "aureole.spectrum.illuminant": [["'D65'", "[400, 500]"]],
     "aureole.spectrum.material": [["'bk7'"]], "aureole.spectrum.refractive_index": [["'bk7'", "[500, 600]"]], "aureole.Transform.__matmul__": [["aureole.Transform()"]], "aureole.plot.corona": [["radius='8um'", "area_fraction=0.5", "resolution=8"]],
+    "aureole.layer": [["bsdf('roughdielectric')", "samples=64", "step=200"]], "aureole.medium": [["fog()", "step=200"]], "aureole.info": [["file('a.exr')"], ["torn(file('a.exr'), R)"], ["text_file(XML)"]],
+    "aureole.compare": [["image()", "image()"], ["rendered()", "file('a.exr')"]], "aureole.rings": [["image()"], ["image()", "radius='3um'"]], "aureole.powermap": [["scene()", "4"], ["text_file(XML)", "4"]],
+    "aureole.droplet_size": [["angles='2.5:max:G,3.5:min'", "lamp='550nm'"], ["image()", "fov=20"]], "_aureole.layer": [["bsdf('roughdielectric')", "0.0", "0.0", "200.0", "'D65'", "2.5", "64", "(0.5, 0.5)"]],
+    "_aureole.medium": [["fog()", "200.0", "0.01", "(0, 0, 0)", "(0, 0, 1)"]], "_aureole.layer_of_file": [["str(text_file(XML)) + '#grey'", "[]", "0.0", "0.0", "200.0", "'D65'", "2.5", "64", "(0.5, 0.5)"]],
+    "_aureole.compare_pictures": [["image()._picture", "rendered()._picture", "0", "2"]], "_aureole.file_info": [["file('a.exr')", "[]"], ["torn(file('a.exr'), R)", "[]"]],
+    "_aureole.measure_rings": [["image()._picture", "'a'", "[]", "[0, 360]", "[]", "30.0", "'D65'", "'5um'", "''", "0.5", "'0.5m'", "'14m'", "'36mm'", "0.25"]],
+    "_aureole.power_maps": [["scene()._open", "image()._picture", "'2W'"]], "_aureole.PartSum": [["rendered()._picture"]], "_aureole.PartSum.add": [["_aureole.packed_part(rendered()._picture)", "0", "1", "[]"]],
+    "_aureole.PartSum.check": [["_aureole.packed_part(rendered()._picture)", "0", "1"]], "_aureole.PartSum.unpacked": [["_aureole.packed_part(rendered()._picture)"], ["torn_bytes(_aureole.packed_part(rendered()._picture), R)"]],
+    "_aureole.PartSum.resume": [["_aureole.PartSum(rendered()._picture).state()", "'a'"], ["torn_bytes(_aureole.PartSum(rendered()._picture).state(), R)", "'a'"]], "_aureole.packed_part": [["rendered()._picture"]],
+    "_aureole.PartSum.same_samples": [["_aureole.packed_part(rendered()._picture)", "_aureole.packed_part(rendered()._picture)"]], "_aureole.empty_picture": [["scene()._open", "4", "None", "1", "None"]],
     "aureole.Scene.__getitem__": [["'glass.alpha'"], ["torn_text('lamp.emitter.radiance', R)"]], "aureole.Scene.__contains__": [["'glass.alpha'"]], "aureole.Scene.__delitem__": [["'glass.alpha'"]],
 }
 # Programs that take the process over, what only a subclass has, and what is not of the package.

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import aureole
+import aureole.cluster  # noqa: F401
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
 TEXT = PAGE.read_text(encoding="utf-8")

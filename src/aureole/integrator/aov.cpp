@@ -7,6 +7,7 @@
 #include "aureole/integrator/aov_channels.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/batch.h"
+#include "aureole/transport/dimensions.h"
 
 namespace aureole {
 namespace {
@@ -46,6 +47,7 @@ public:
         names_.push_back(n.name + "." + n.channels[i]);
         meanings_.push_back(n.meanings[i]);
       }
+    specular_depth_ = int(p.get_int("specular_depth", 0, {0, 64}));
     const std::string text = p.get_string("aovs");
     constexpr const char* kSeparators = ", \t\r\n";
     for (size_t at = text.find_first_not_of(kSeparators); at != std::string::npos;) {
@@ -81,15 +83,48 @@ public:
       }
     }
     BatchRays rays;
-    for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
-    rays.intersect(scene.tracer(), RayTracer::Rays::coherent, [&](int i, const RayTracer::Hit& hit) {
-      const Path& p = paths[size_t(i)];
-      write_surface(scene, hit, p.ray, p.wavelengths, p.aovs, aovs[i] + names_.size());
-    });
+    Followed followed[kBatch];
+    for (size_t i = 0; i < paths.size(); ++i) {
+      followed[i].ray = paths[i].ray;
+      rays.add(int(i), paths[i].ray);
+    }
+    for (int round = 0; !rays.empty(); ++round)
+      rays.intersect(scene.tracer(), round == 0 ? RayTracer::Rays::coherent : RayTracer::Rays::incoherent,
+                     [&](int i, const RayTracer::Hit& hit) {
+                       Path& p = paths[size_t(i)];
+                       Followed& f = followed[i];
+                       if (round < specular_depth_ && hit && go_on(scene, hit, p, round, f))
+                         rays.add(i, f.ray);
+                       else
+                         write_surface(scene, hit, f, p.wavelengths, p.aovs, aovs[i] + names_.size());
+                     });
     for (size_t i = 0; i < paths.size(); ++i) paths[i].result = results[i], paths[i].aovs = aovs[i];
   }
 
 private:
+  /// A ray of the sensor, or one that mirrors and glass have made of it.
+  struct Followed {
+    Ray ray;
+    float distance = 0;  ///< before the ray begins
+  };
+
+  /// Follows light through a surface whose lobes are all delta. Returns false at any other surface, and where the BSDF gives no
+  /// direction: the surface itself is described then.
+  static bool go_on(const Scene& scene, const RayTracer::Hit& hit, Path& path, int round, Followed& f) {
+    const SurfacePoint point = scene.surface_point(hit, f.ray);
+    const Bsdf& bsdf = *point.surface->bsdf;
+    if (bsdf.is_smooth()) return false;
+    const BsdfContext context{path.wavelengths, point, TransportMode::radiance,
+                              key(path.samples, round, Stream::bsdf)};
+    const auto sample = bsdf.sample(point.shading.to_local(-f.ray.d), get(path.samples, round, Choice::lobe),
+                                    get(path.samples, round, Pair::scatter), context);
+    if (!sample) return false;
+    f.distance += dot(point.p - f.ray.o, f.ray.d);
+    const Vec3 d = point.shading.to_world(sample->wo);
+    f.ray = {offset_origin(point, d), d, kInfinity};
+    return true;
+  }
+
   void add(const Properties& p, const std::string& item) {
     const size_t colon = item.find(':');
     if (colon == 0 || colon == std::string::npos || colon + 1 == item.size() ||
@@ -125,19 +160,19 @@ private:
     out[3] = r.alpha;
   }
 
-  void write_surface(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
-                     float* out, float* end) const {
+  void write_surface(const Scene& scene, const RayTracer::Hit& hit, const Followed& followed,
+                     const Wavelengths& w, float* out, float* end) const {
     if (!hit) {
       std::fill(out, end, 0.f);
       return;
     }
-    const SurfacePoint point = scene.surface_point(hit, ray);
+    const SurfacePoint point = scene.surface_point(hit, followed.ray);
     SurfaceDerivatives derivatives;
     if (needs_derivatives_) derivatives = point.shape->derivatives(point);
-    for (const Kind kind : kinds_) out = write(kind, hit.shape, ray, point, derivatives, w, out);
+    for (const Kind kind : kinds_) out = write(kind, hit.shape, followed, point, derivatives, w, out);
   }
 
-  float* write(Kind kind, std::uint32_t shape_index, const Ray& ray, const SurfacePoint& hit,
+  float* write(Kind kind, std::uint32_t shape_index, const Followed& followed, const SurfacePoint& hit,
                const SurfaceDerivatives& derivatives, const Wavelengths& w, float* out) const {
     const auto vector = [&](const Vec3& v) {
       for (int i = 0; i < 3; ++i) *out++ = v[i];
@@ -145,7 +180,7 @@ private:
     };
     switch (kind) {
       case Kind::albedo: {
-        const Vec3 wi = hit.shading.to_local(-ray.d);
+        const Vec3 wi = hit.shading.to_local(-followed.ray.d);
         const Bsdf& bsdf = *hit.surface->bsdf;
         meter_.reflectance_rgb(bsdf.diffuse_reflectance(wi, BsdfContext{w, hit}), w,
                                bsdf.diffuse_reflectance(wi, BsdfContext{meter_.fixed_wavelengths(), hit}),
@@ -153,7 +188,7 @@ private:
         return out + 3;
       }
       case Kind::depth:
-        *out++ = dot(hit.p - ray.o, ray.d);
+        *out++ = followed.distance + dot(hit.p - followed.ray.o, followed.ray.d);
         return out;
       case Kind::position:
         return vector(hit.p);
@@ -183,6 +218,7 @@ private:
   std::vector<Kind> kinds_;
   std::vector<std::string> names_, meanings_;
   bool needs_derivatives_ = false;
+  int specular_depth_ = 0;
 };
 
 AUREOLE_PLUGIN(
@@ -199,11 +235,13 @@ AUREOLE_PLUGIN(
         "reflectance as the scene has it, black for mirrors and glass. Depth is the distance along the ray "
         "from the near clip plane, in scene units; positions and their derivatives are in scene units, too. Indices count primitives of a shape from 0 and shapes of the scene "
         "from "
-        "1. `component_format` float32 keeps positions and indices from being rounded to half floats.",
+        "1. With a `specular_depth` the surface described is the first one that is not specular: up to that many mirrors, panes and glass surfaces, whose lobes are all delta, are followed as a path follows them, reflected and refracted at random; distances are summed. `component_format` float32 keeps positions and indices from being rounded to half floats.",
         "",
         {{"aovs", "string", "", "required", "list of NAME:TYPE, separated by commas"},
+         {"specular_depth", "integer", "", "0", "specular surfaces that are followed, at most 64"},
          {"integrator", "integrator", "", "none", "any number of nested integrators"}},
         {R"(<integrator type="aov"><string name="aovs" value="albedo:albedo, nn:sh_normal, dd.y:depth"/>
+    <integer name="specular_depth" value="4"/>
     <integrator type="path" name="img"/></integrator>)"}});
 
 }  // namespace

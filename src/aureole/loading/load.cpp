@@ -176,6 +176,9 @@ LoadedParts build_parts(ParsedScene& parsed, const std::shared_ptr<OwnedContext>
   loaded.parts.context = loading.context();
   loaded.file = parsed.files.front()->path;
   loaded.hash = content_hash(elements, loading.references);
+  loaded.files = loading.references.files;
+  std::sort(loaded.files.begin(), loaded.files.end());
+  loaded.files.erase(std::unique(loaded.files.begin(), loaded.files.end()), loaded.files.end());
   loaded.notes = loading.notes();
   return loaded;
 }
@@ -202,6 +205,7 @@ LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
     throw made.integrator->properties().error("beam_width", e.message());
   }
   made.hash = loaded.hash;
+  made.files = std::move(loaded.files);
   made.notes = std::move(loaded.notes);
   made.notes.insert(made.notes.end(), made.scene->notes().begin(), made.scene->notes().end());
   if (made.integrator)

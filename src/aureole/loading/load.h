@@ -49,7 +49,9 @@ struct LoadedScene {
   std::uint64_t hash = 0;  ///< hash of content and referenced files, without sample_count and seed of the
                            ///< sampler
   std::vector<std::string> notes;  ///< notes for the user: first the file's in its order, then the scene's
-  std::filesystem::path file;      ///< absolute path of the file
+  std::filesystem::path file;      ///< absolute
+  /// Files that the scene names or that its files name, each once: textures, meshes, volumes, spectra; without scene files.
+  std::vector<std::filesystem::path> files;
 };
 
 /// Loads a scene file. Throws one ErrorList with every problem of the scene, in file order.

@@ -22,6 +22,7 @@ struct LoadedParts {
   std::uint64_t hash = 0;
   std::vector<std::string> notes;
   std::filesystem::path file;
+  std::vector<std::filesystem::path> files;  ///< that the scene and its files name, each once
 };
 
 /// LoadedParts, together with the object built for each node.

@@ -33,6 +33,10 @@ RenderJob::RenderJob(const LoadedScene& loaded, const RenderOptions& options)
       lock_(std::make_shared<Lock>()) {
   renderer_ = std::make_shared<UnitRenderer>(*scene_, *integrator_, FilterTable(scene_->film().filter()),
                                              state_.identity.seed, state_.identity.measured_channels);
+  if (const auto& units = options.units;
+      units && !(units->begin >= 0 && units->begin < units->end && units->end <= state_.units()))
+    throw Error("the units " + std::to_string(units->begin) + " to " + std::to_string(units->end) +
+                " are not a part of the " + std::to_string(state_.units()) + " of this picture");
 }
 
 void RenderJob::resume(RenderState state) {
@@ -148,10 +152,11 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     });
   }
 
-  std::atomic<std::int64_t> next{0}, finished{0};
+  const UnitRanges::Range wanted = options_.units.value_or(UnitRanges::Range{0, units});
+  std::atomic<std::int64_t> next{wanted.begin}, finished{0};
   std::atomic<bool> failed{false};
   const UnitRanges done_before = state_.done;
-  std::int64_t limit = units;
+  std::int64_t limit = wanted.end;
   const auto work = [&](int thread) {
     UnitResult buffers;
     double last_report = now_s();
@@ -199,7 +204,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     }
   }
   const double seconds = now_s() - start;
-  const bool complete = state_.units_done() == units;
+  const bool complete = state_.done.contains(wanted);
   if (report) report_units(finished, seconds);
   if (!options_.state_file.empty() && (!complete || options_.keep_state)) {
     checkpoint(spent_before + seconds);

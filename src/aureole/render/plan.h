@@ -22,6 +22,9 @@ struct RenderOptions {
   int replicates = 1;                      ///< independently scrambled renderings, for variances
   double time_limit_s = 0;  ///< 0: none; else ends after the first whole block that every pixel has
   double checkpoint_interval_s = 30;
+  /// Units of the samples [begin, end) that are rendered, for parts on several machines; by default all. A time limit
+  /// does not go with it.
+  std::optional<UnitRanges::Range> units;
   std::filesystem::path state_file;  ///< empty: no checkpoints
   bool keep_state = false;           ///< keep the state file of a finished job
 };

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`aureole denoise`: a picture without noise, or a scene that is rendered for it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import warnings
+import xml.etree.ElementTree as ElementTree
+from typing import Any, Optional, Sequence
+
+from ._errors import Error
+
+
+def main(words: Optional[Sequence[str]] = None) -> int:
+    """Runs the command with `words`, by default the process's arguments, and returns its exit code."""
+    parser = argparse.ArgumentParser(
+        prog="aureole denoise",
+        description="Remove noise by Intel Open Image Denoise (docs/pictures.md): of an EXR, or of a scene that is rendered for it.",
+    )
+    parser.add_argument("input", help="EXR with linear values, or a scene file (.xml)")
+    parser.add_argument(
+        "-o", "--output", required=True, help="EXR to write, with the noisy channels as the layer noisy; a PNG is written beside it"
+    )
+    parser.add_argument("--scene", help="of an EXR: its scene, whose albedos and normals guide the network")
+    parser.add_argument("-D", "--define", action="append", default=[], metavar="NAME=VALUE", help="set a $name of the scene")
+    parser.add_argument("--spp", type=int, help="of a scene: samples per pixel of each replicate (default: the scene's)")
+    parser.add_argument(
+        "--replicates", type=int, default=4, help="of a scene: independent renderings, for the variance that keeps clean pixels (default 4)"
+    )
+    parser.add_argument("--seed", type=int, help="of a scene: seed of the samples")
+    parser.add_argument("--feature-spp", type=int, default=32, help="samples per pixel of albedos and normals (default 32)")
+    parser.add_argument("--quality", choices=["high", "balanced", "fast"], default="high")
+    parser.add_argument("--no-mix", action="store_true", help="take the network's picture also where the noisy one is better")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    arguments = parser.parse_args(words)
+    warnings.showwarning = lambda message, *_, **__: print(f"note: {message}", file=sys.stderr)
+    try:
+        return _denoise(arguments)
+    except (Error, OSError) as e:
+        print(f"error: {e}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted: no picture is written", file=sys.stderr)
+        return 130
+
+
+def _denoise(a: Any) -> int:
+    from ._denoise import denoise, set_box_filter
+    from ._image import Image, read_image
+    from ._render import render
+    from ._scene import load_file, load_string
+
+    if not a.output.endswith(".exr"):
+        raise Error(f"-o {a.output}: the output is an .exr file (a .png is written beside it)")
+    defines = {}
+    for define in a.define:
+        name, equals, value = define.partition("=")
+        if not name or not equals:
+            raise Error(f"-D {define}: expected NAME=VALUE")
+        defines[name + "_" if name in ("integrator", "sampler", "path", "text") else name] = value
+    scene = None
+    if a.input.endswith(".xml"):
+        if a.scene:
+            raise Error("--scene: is for an EXR; a scene is its own")
+        root = ElementTree.fromstring(load_file(a.input, **defines).xml())
+        set_box_filter(root)
+        scene = load_string(ElementTree.tostring(root, encoding="unicode"), path=os.path.abspath(a.input))
+        image = render(scene, a.spp, seed=a.seed, replicates=a.replicates, progress=not a.quiet)
+        if not image.complete:
+            return 1
+    else:
+        for option, value in (("--spp", a.spp), ("--seed", a.seed)):
+            if value is not None:
+                raise Error(f"{option}: is for a scene")
+        image = read_image(a.input)
+        if a.scene:
+            scene = load_file(a.scene, **defines)
+        elif defines:
+            raise Error("-D sets names of scenes: give the picture's --scene")
+    result = denoise(image, scene=scene, feature_samples=a.feature_spp, quality=a.quality, keep_clean=not a.no_mix, progress=not a.quiet)
+    result.save(a.output)
+    shown = [c for c in ("R", "G", "B", "Y") if c in result.channels]
+    if shown:
+        Image(result[shown], shown).save(os.path.splitext(a.output)[0] + ".png")
+    if not a.quiet:
+        print(a.output)
+    return 0

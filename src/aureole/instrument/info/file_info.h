@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Descriptions of scenes, pictures, volumes, splats and state files, as `aureole info` prints them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace aureole {
+
+/// A description in lines. Each begins with a label of at most 12 letters, filled up to 13 columns, or with blanks where it
+/// goes on with the line above.
+struct FileInfo {
+  std::string kind;                ///< "scene", "picture", "volume", "splats" or "state"
+  std::string text;                ///< whole lines
+  std::vector<std::string> notes;  ///< how the file was understood where that is not obvious
+};
+
+/// Describes a file by its content. `defines` are the values of a scene's $names. Throws Error for a file that cannot be
+/// read or is none of these, and for defines of any other file than a scene.
+FileInfo file_info(const std::filesystem::path& file,
+                   const std::vector<std::pair<std::string, std::string>>& defines = {});
+
+/// Describes the content of a scene: film, wavelengths, sensor, integrator, shapes, tables, emitters. Implemented in
+/// scene_info.cpp.
+FileInfo scene_info(const std::filesystem::path& file,
+                    const std::vector<std::pair<std::string, std::string>>& defines);
+/// Describes size, format, origin, noise, colours and channels of a picture. Implemented in picture_info.cpp.
+FileInfo picture_info(const std::filesystem::path& file);
+/// Describes the picture that a state file belongs to, and how much of it is done. Implemented in picture_info.cpp.
+FileInfo state_info(const std::filesystem::path& file);
+/// Describes size, type, spacing, position in space and range of values of a volume. Implemented in volume_info.cpp.
+FileInfo volume_info(const std::filesystem::path& file);
+/// Whether a file holds splats or points, by its first bytes or its extension.
+bool is_splats(const std::filesystem::path& file);
+/// Describes what a file of splats holds and by which conventions. Implemented in splat_info.cpp.
+FileInfo splat_info(const std::filesystem::path& file);
+
+}  // namespace aureole

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Description of a file of splats, for `aureole info`.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "aureole/instrument/info/file_info.h"
+#include "aureole/instrument/info/printed_text.h"
+#include "aureole/parameter/splat/splat_cloud.h"
+
+namespace aureole {
+
+bool is_splats(const std::filesystem::path& file) {
+  const std::string extension = file.extension().string();
+  return extension == ".ply" || extension == ".glb" || extension == ".gltf" || is_splat_file(file);
+}
+
+FileInfo splat_info(const std::filesystem::path& file) {
+  FileInfo info{"splats", "", {}};
+  std::string& out = info.text;
+  const SplatCloud cloud = read_splat_file(file);
+  for (const std::string& note : cloud.notes) info.notes.push_back(file.string() + " " + note);
+  const bool is_points = cloud.kind == SplatCloud::Kind::points;
+  add_text(out, "splats       {} ({})\n", file.string(), cloud.format);
+  add_text(out, "count        {} {}\n", cloud.size(), is_points ? "points" : "Gaussian splats");
+  add_text(out, "axes         {} in the file; here x right, y up, z back\n", cloud.axes);
+  Bounds3 box;
+  float least = kInfinity, most = 0;  // of scales, or of radii
+  double opacity = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    box.extend(cloud.positions[i]);
+    const Vec3& s = cloud.scales[i];
+    least = std::min(least, is_points ? s.x : std::min({s.x, s.y, s.z})),
+    most = std::max(most, max_component(s));
+    opacity += double(cloud.opacities[i]);
+  }
+  add_text(out, "centres      ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", box.lower.x,
+           box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z);
+  add_text(out, "{}       {:.4g} to {:.4g}{}\n", is_points ? "radii " : "scales", least, most,
+           cloud.has_normals ? ", with normals" : "");
+  add_text(out, "opacity      {:.4g} on average\n", opacity / double(cloud.size()));
+  add_text(out, "harmonics    degree {}\n", cloud.degree);
+  const SplatHints& h = cloud.hints;
+  add_text(out, "conventions  sorted by {}, {} projection, {} colours{}\n",
+           h.sorting == SplatHints::Sorting::z_depth ? "depth" : "distance",
+           h.projection == SplatHints::Projection::tangential ? "tangential" : "perspective",
+           h.colors == SplatHints::Colors::srgb ? "sRGB" : "linear",
+           h.antialiased ? ", opacities compensated for dilation" : "");
+  add_text(out, "memory       {:.1f} MB\n", double(cloud.memory_bytes()) / 1e6);
+  return info;
+}
+
+}  // namespace aureole
