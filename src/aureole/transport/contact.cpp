@@ -39,7 +39,7 @@ public:
     // same distance may lie outside of an interval that begins there, by the rounding errors of its bounds.
     constexpr float kReach = 16;
     thread_local std::vector<RayTracer::Hit> near;
-    scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max)},
+    scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max), ray.time},
                             hit.t - reach / size, near);
     for (const RayTracer::Hit& h : near) {
       if (h.shape == hit.shape && h.geometry == hit.geometry && h.primitive == hit.primitive) continue;
