@@ -105,7 +105,7 @@ TEST(LensSensor, SeesAUniformSkyAsItsApertureSays) {
 }
 
 TEST(LensSensor, DarkensTowardsTheCornersAsRaysOfDistantPointsSay) {
-  // The irradiance of a distant sky is its luminance times the cross-section of the beam that the lens lets pass, times the
+  // The irradiance of a distant sky is its luminance times the cross-section of the beam that the lens transmits, times the
   // solid angle for an area of the film: relative to the axis, the open fraction of the entrance pupil times cos^4.
   // `aureole lens` traces those beams from the object: the entrance pupil of the triplet at f/22 grows by 9.55 % at 17.87
   // degrees, 16.13 mm from the axis; of the double Gauss wide open 46.56 % are left at 20 degrees, 35.41 mm from it.
