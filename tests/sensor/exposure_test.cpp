@@ -204,7 +204,7 @@ TEST(Exposure, LightPathsSeeAMovingCameraAsItsOwnPathsDo) {
   };
   const auto path = reading("path"), light = reading("ptracer"), both = reading("bdpt");
   EXPECT_LT(path.second, 0.003 * path.first);
-  EXPECT_LT(light.second, 0.02 * path.first);
+  EXPECT_LT(light.second, 0.03 * path.first);
   EXPECT_NEAR(light.first, path.first, 3.5 * std::hypot(light.second, path.second));
   EXPECT_NEAR(both.first, path.first, 3.5 * std::hypot(both.second, path.second));
 }
