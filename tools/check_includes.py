@@ -10,7 +10,7 @@ import sys
 from graphlib import CycleError, TopologicalSorter
 
 FAMILIES = ["shape", "texture", "volume", "filter", "film", "sampler", "aperture", "correlation", "ingredient", "phase", "medium", "bsdf",
-            "bssrdf", "emitter", "sensor"]
+            "bssrdf", "modulation", "emitter", "sensor"]
 LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"], ["parameter"], FAMILIES,
           ["asset"], ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
@@ -20,7 +20,7 @@ PHYSICS_CORE = {"parallel_for", "random"}  # of core what the library aureole_op
 # Headers of a family that other families may include; where a family is not named here, <family>/<family>.h alone.
 INTERFACES = {"shape": {"shape", "surface_point", "area_sampler", "shape_area"},
               "phase": {"phase", "mean_cosine", "mie_tables", "tabulated_phase_function"}}
-OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "photometry": 0, "diffraction": 1, "arrangement": 1, "medium": 1, "stack": 1, "layer": 2}  # a room includes lower ones
+OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "photometry": 0, "lens": 0, "detector": 0, "diffraction": 1, "arrangement": 1, "medium": 1, "stack": 1, "layer": 2}  # a room includes lower ones
 
 
 def may_include(room, other):

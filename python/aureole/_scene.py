@@ -217,6 +217,8 @@ def _require_path(path: Any) -> None:
 def _value(value: Any) -> Any:
     if isinstance(value, tuple):
         kind, numbers = value
+        if kind == "animation":  # key frames: times in seconds and transforms
+            return [(time, _value(frame)) for time, frame in numbers]
         array = np.array(numbers, dtype=np.float64)
         return Transform(array) if kind == "transform" else array
     return value

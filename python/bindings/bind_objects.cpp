@@ -67,6 +67,13 @@ nb::object python_value(const Properties::Value& value) {
     return matrix.object();
   }
   if (const auto* object = std::get_if<ObjectPtr>(&value)) return cast_object(*object);
+  if (const auto* motion = Properties::motion_of(value)) {
+    nb::list frames;
+    for (const KeyFrame& frame : motion->frames())
+      frames.append(
+          nb::make_tuple(frame.time, python_value(Properties::Value(Shared<Transform>(frame.transform)))));
+    return frames;
+  }
   const auto& literal = *Properties::spectrum_of(value);
   nb::dict d;
   d["type"] = literal.kind == SpectrumLiteral::Kind::rgb ? "rgb" : "spectrum";

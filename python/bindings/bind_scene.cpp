@@ -115,6 +115,13 @@ nb::object value_object(const Properties::Value& value) {
     for (const auto& row : t->matrix()) rows.append(nb::make_tuple(row[0], row[1], row[2], row[3]));
     return nb::make_tuple("transform", rows);
   }
+  if (const auto* motion = Properties::motion_of(value)) {
+    nb::list frames;
+    for (const KeyFrame& frame : motion->frames())
+      frames.append(
+          nb::make_tuple(frame.time, value_object(Properties::Value(Shared<Transform>(frame.transform)))));
+    return nb::make_tuple("animation", frames);
+  }
   if (const auto* s = Properties::spectrum_of(value)) {
     if (s->kind == SpectrumLiteral::Kind::value) return nb::cast(s->value);
     if (s->kind == SpectrumLiteral::Kind::rgb)

@@ -88,6 +88,9 @@ std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::strin
     return {usual(kLight + ball("<bsdf type=\"diffuse\">" + changed(example, "reflectance") + "</bsdf>")),
             usual(ball("<emitter type=\"area\">" + changed(example, "radiance") + "</emitter>"))};
   if (family == "emitter") return {usual(plugin.doc.needs_shape ? ball(example) : ball("") + example)};
+  if (family == "modulation")
+    return {usual(R"(<emitter type="point"><point name="position" x="0" y="3" z="0"/>)" + example +
+                  "</emitter>" + ball(""))};
   if (family == "shape") return {usual(kLight + example)};
   if (family == "integrator") return {scene(example + sensor() + kFloor + ball("") + kLight)};
   if (family == "film") return {scene(kIntegrator + sensor(example) + kFloor + kLight)};

@@ -100,7 +100,12 @@ Properties read_node(const pugi::xml_node& node, const PluginInfo* plugin,
       p.add(name, spectrum(value), at);
     else if (kind == "transform")
       p.add(name, transform(child), at);
-    else if (kind == "point" || kind == "vector") {
+    else if (kind == "animation") {
+      std::vector<KeyFrame> frames;
+      for (const pugi::xml_node frame : child.children())
+        frames.push_back({frame.attribute("time").as_double(), transform(frame)});
+      p.add(name, Motion(std::move(frames)), at);
+    } else if (kind == "point" || kind == "vector") {
       const std::vector<double> c = value.empty() ? std::vector<double>{child.attribute("x").as_double(),
                                                                         child.attribute("y").as_double(),
                                                                         child.attribute("z").as_double()}

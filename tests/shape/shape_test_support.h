@@ -36,11 +36,13 @@ public:
 };
 
 inline ObjectPtr make_dark_emitter() {
-  static const PluginInfo plugin{
-      "emitter",
-      "dark",
-      {.parameters = {{"sampling_weight", "", "", "", ""}, {"medium", "", "", "", ""}}, .needs_shape = true},
-      nullptr};
+  static const PluginInfo plugin{"emitter",
+                                 "dark",
+                                 {.parameters = {{"sampling_weight", "", "", "", ""},
+                                                 {"medium", "", "", "", ""},
+                                                 {"modulation", "", "", "", ""}},
+                                  .needs_shape = true},
+                                 nullptr};
   return std::make_shared<DarkEmitter>(Properties("dark", "", {}, nullptr, &plugin));
 }
 

@@ -13,7 +13,7 @@ InstanceAsset::InstanceAsset(const Properties& properties) : Asset(properties) {
   if (groups.size() != 1)
     throw Error(properties.where(), "an instance needs one shapegroup: write <ref id=\"...\"/> with its id");
   group_ = groups.front();
-  to_world_ = properties.get_transform("to_world");
+  motion_ = properties.get_motion("to_world");
   // Groups in groups multiply: 40 of them, each with two instances of the one before, are 10^12 instances.
   constexpr double kMostInstances = 2e6;
   if (const double count = group_->instance_count(); count > kMostInstances)
@@ -22,24 +22,33 @@ InstanceAsset::InstanceAsset(const Properties& properties) : Asset(properties) {
         fmt::format("with the instances within its group this is {:.3g} instances of shapes; at most {:.3g} "
                     "can be placed",
                     count, kMostInstances));
-  take_apart(*group_, to_world_, nullptr);
+  take_apart(*group_, Transform(), nullptr);
 }
 
-void InstanceAsset::take_apart(const ShapeGroup& group, const Transform& to_world,
+void InstanceAsset::take_apart(const ShapeGroup& group, const Transform& to_outer,
                                const PlacedMedia* around) {
   std::optional<PlacedMedia> media;
   if (!group.list()->shapes.empty()) {
     Primitive primitive;
     primitive.instance =
-        std::make_shared<const Instance>(group.list(), group.list()->bounds, to_world, properties());
+        std::make_shared<const Instance>(group.list(), group.list()->bounds, motion_, to_outer, properties());
     primitive.element = shared_properties();
     media.emplace(primitive.instance, around);
     primitive.placed_media = media->of_shapes();
+    if (motion_.is_moving()) {
+      for (const SurfaceMedia& m : group.list()->media)
+        if (m.bssrdf)
+          throw Error(m.bssrdf->properties().where(),
+                      "a shape with subsurface scattering cannot be moved by key frames");
+      if (!primitive.placed_media.empty())
+        throw properties().error("to_world",
+                                 "moves a medium that is not the same everywhere: key frames cannot do that");
+    }
     note_media(*primitive.instance, *media);
     primitives_.push_back(std::move(primitive));
   }
   for (const ShapeGroup::Nested& n : group.nested())
-    take_apart(*n.group, to_world * n.to_group, media ? &*media : around);
+    take_apart(*n.group, to_outer * n.to_group, media ? &*media : around);
 }
 
 void InstanceAsset::note_media(const Instance& instance, const PlacedMedia& media) {
@@ -68,9 +77,11 @@ AUREOLE_PLUGIN(
             "instance that is twice as large has twice the optical thickness. A medium that only surrounds "
             "shapes of the group keeps its place in the scene.",
         .source = "",
-        .parameters = {{"shapegroup", "shape", "", "required", "The group, usually by <ref id=\"...\"/>."},
-                       {"to_world", "transform", "", "identity",
-                        "From the group's coordinates to those of the scene."}},
+        .parameters =
+            {{"shapegroup", "shape", "", "required", "The group, usually by <ref id=\"...\"/>."},
+             {"to_world", "transform", "", "identity",
+              "From the group's coordinates to those of the scene. An `<animation>` of key frames moves the "
+              "instance during the exposure of the sensor."}},
         .examples = {R"(<shape type="instance">
   <shape type="shapegroup">
     <shape type="sphere"/>

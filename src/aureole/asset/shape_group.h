@@ -44,15 +44,17 @@ public:
   explicit InstanceAsset(const Properties& properties);
 
   const std::shared_ptr<const ShapeGroup>& group() const { return group_; }
-  const Transform& to_world() const { return to_world_; }
+  const Transform& to_world() const { return motion_.first(); }
+  bool is_moving() const { return motion_.is_moving(); }
 
 private:
-  /// `around`: the media of the instance that contains `group`, or null.
-  void take_apart(const ShapeGroup& group, const Transform& to_world, const PlacedMedia* around);
+  /// `to_outer` maps the coordinates of `group` to those of the instance's own group. `around`: the media of the
+  /// instance that contains `group`, or null.
+  void take_apart(const ShapeGroup& group, const Transform& to_outer, const PlacedMedia* around);
   void note_media(const Instance& instance, const PlacedMedia& media);
 
   std::shared_ptr<const ShapeGroup> group_;
-  Transform to_world_;
+  Motion motion_;
 };
 
 }  // namespace aureole

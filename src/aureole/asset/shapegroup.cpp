@@ -30,6 +30,9 @@ void ShapeGroup::add(const Asset& asset) {
     for (std::size_t i = 0; i < group->list_->shapes.size(); ++i) add(*group->list_, i);
     nested_.insert(nested_.end(), group->nested_.begin(), group->nested_.end());
   } else if (const auto* instance = dynamic_cast<const InstanceAsset*>(&asset)) {
+    if (instance->is_moving())
+      throw instance->properties().error("to_world",
+                                         "an instance within a group cannot move: move the outer one");
     nested_.push_back({instance->group(), instance->to_world()});
   } else {
     for (const Primitive& primitive : asset.primitives()) {

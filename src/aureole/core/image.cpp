@@ -149,6 +149,14 @@ void write_tiff(const std::filesystem::path& file, const Image& image, TiffPixel
   write_encoded(file, [&] { return codec::encode_tiff(image, pixel); });
 }
 
+void write_raw_tiff(const std::filesystem::path& file, const RawImage& raw) {
+  write_encoded(file, [&] { return codec::encode_raw(raw, false); });
+}
+
+void write_dng(const std::filesystem::path& file, const RawImage& raw) {
+  write_encoded(file, [&] { return codec::encode_raw(raw, true); });
+}
+
 void write_hdr(const std::filesystem::path& file, const Image& image) {
   write_encoded(file, [&] { return codec::encode_hdr(image); });
 }

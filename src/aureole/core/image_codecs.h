@@ -9,6 +9,7 @@
 #include <span>
 
 #include "aureole/core/image.h"
+#include "aureole/core/raw_image.h"
 
 namespace aureole::codec {
 
@@ -68,7 +69,9 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
 std::vector<char> encode_png(const Image& image, int bits);
 std::vector<char> encode_jpeg(const Image& image, int quality);
 std::vector<char> encode_tiff(const Image& image, TiffPixel pixel);
-/// These functions encode images whose channels are exactly R, G, B or Y.
+/// A raw picture as a TIFF of one channel, or as a DNG.
+std::vector<char> encode_raw(const RawImage& raw, bool is_dng);
+/// Encode images whose channels are exactly R, G, B or Y.
 std::vector<char> encode_hdr(const Image& image);
 std::vector<char> encode_pfm(const Image& image);
 

@@ -320,4 +320,70 @@ std::vector<char> encode_tiff(const Image& image, TiffPixel pixel) {
   return std::move(file.bytes);
 }
 
+std::vector<char> encode_raw(const RawImage& raw, bool is_dng) {
+  silence();
+  if (raw.width <= 0 || raw.height <= 0 ||
+      raw.values.size() != std::size_t(raw.width) * std::size_t(raw.height))
+    throw Error("the raw picture has no pixels");
+  if (double(raw.values.size()) * 2 > 3.9e9) throw Error("the raw picture is larger than the 4 GB of a TIFF");
+  Growing file;
+  TIFF* const tiff = TIFFClientOpen("image", "w", &file, on_read_back, on_append, on_seek_growing, on_close,
+                                    size_of_growing, nullptr, nullptr);
+  if (!tiff) throw Error("the TIFF cannot be made");
+  const bool is_mono = raw.mosaic.size() == 1;
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, raw.width);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, raw.height);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 16);
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  TIFFSetField(tiff, TIFFTAG_COMPRESSION, is_dng ? COMPRESSION_NONE : COMPRESSION_ADOBE_DEFLATE);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, raw.height);
+  TIFFSetField(tiff, TIFFTAG_SOFTWARE, "aureole");
+  TIFFSetField(tiff, TIFFTAG_MAKE, "aureole");
+  TIFFSetField(tiff, TIFFTAG_MODEL, raw.model.c_str());
+  if (!is_dng) {
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  } else {
+    constexpr std::uint8_t kVersion[4] = {1, 4, 0, 0}, kOldestReader[4] = {1, 1, 0, 0},
+                           kPlanes[3] = {0, 1, 2};
+    constexpr int kCfa = 32803, kLinearRaw = 34892, kD65 = 21;
+    TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, 0);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, is_mono ? kLinearRaw : kCfa);
+    TIFFSetField(tiff, TIFFTAG_DNGVERSION, kVersion);
+    TIFFSetField(tiff, TIFFTAG_DNGBACKWARDVERSION, kOldestReader);
+    TIFFSetField(tiff, TIFFTAG_UNIQUECAMERAMODEL, raw.model.c_str());
+    const float black = float(raw.black_level);
+    const std::uint16_t once[2] = {1, 1};
+    const std::uint32_t white = std::uint32_t(raw.white_level);
+    TIFFSetField(tiff, TIFFTAG_BLACKLEVELREPEATDIM, once);
+    TIFFSetField(tiff, TIFFTAG_BLACKLEVEL, 1, &black);
+    TIFFSetField(tiff, TIFFTAG_WHITELEVEL, 1, &white);
+    if (!is_mono) {
+      const std::uint16_t size[2] = {std::uint16_t(raw.mosaic_height), std::uint16_t(raw.mosaic_width)};
+      TIFFSetField(tiff, TIFFTAG_CFAREPEATPATTERNDIM, size);
+      TIFFSetField(tiff, TIFFTAG_CFAPATTERN, int(raw.mosaic.size()), raw.mosaic.data());
+      TIFFSetField(tiff, TIFFTAG_CFAPLANECOLOR, 3, kPlanes);
+      TIFFSetField(tiff, TIFFTAG_CFALAYOUT, 1);
+      float matrix[9], neutral[3];
+      for (std::size_t i = 0; i < 9; ++i) matrix[i] = float(raw.color_matrix[i]);
+      for (std::size_t i = 0; i < 3; ++i) neutral[i] = float(raw.neutral[i]);
+      TIFFSetField(tiff, TIFFTAG_COLORMATRIX1, 9, matrix);
+      TIFFSetField(tiff, TIFFTAG_CALIBRATIONILLUMINANT1, kD65);
+      TIFFSetField(tiff, TIFFTAG_ASSHOTNEUTRAL, 3, neutral);
+    }
+  }
+  bool good = true;
+  std::vector<std::uint16_t> row(std::size_t(raw.width));
+  for (int y = 0; y < raw.height && good; ++y) {
+    std::copy_n(raw.values.begin() + std::ptrdiff_t(y) * raw.width, raw.width, row.begin());
+    good = TIFFWriteScanline(tiff, row.data(), std::uint32_t(y), 0) >= 0;
+  }
+  good = TIFFWriteDirectory(tiff) && good;
+  TIFFClose(tiff);
+  if (!good) throw Error("the TIFF cannot be made");
+  return std::move(file.bytes);
+}
+
 }  // namespace aureole::codec

@@ -9,10 +9,21 @@
 
 namespace aureole {
 
+namespace {
+
+ModulationPtr only_modulation(const Properties& p) {
+  const auto found = p.get_children<Modulation>("modulation");
+  if (found.size() > 1) throw Error(found[1]->properties().where(), "an emitter has one modulation");
+  return found.empty() ? nullptr : found.front();
+}
+
+}  // namespace
+
 Emitter::Emitter(const Properties& properties)
     : Object(properties),
       sampling_weight_(float(properties.get_float("sampling_weight", 1, {0, 1e9}))),
-      medium_(only_medium(properties)) {}
+      medium_(only_medium(properties)),
+      modulation_(only_modulation(properties)) {}
 
 bool Emitter::sits_on_shape() const {
   const PluginInfo* plugin = properties().plugin();
@@ -44,7 +55,8 @@ AUREOLE_FAMILY(FamilyInfo{
           "medium around the emitter; needed only if no surface bounds that medium"},
          {"sampling_weight", "float", "", "1",
           "factor of the probability that light sampling chooses this emitter; 0: never, so that only "
-          "rays that hit it by chance find it"}},
+          "rays that hit it by chance find it"},
+         {"modulation", "modulation", "", "none", "how the light changes over time"}},
     .belongs_to_shapes = true,
     .is_reusable = true});
 

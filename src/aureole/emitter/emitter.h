@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "aureole/medium/medium.h"
+#include "aureole/modulation/modulation.h"
 #include "aureole/plugin/object.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
@@ -67,7 +68,7 @@ struct EmissionBounds {
 class Emitter : public Object {
 public:
   static constexpr const char* kFamily = "an emitter";
-  /// Reads the parameters of every emitter: sampling_weight and medium.
+  /// Reads the parameters of every emitter: sampling_weight, medium and modulation.
   explicit Emitter(const Properties& properties);
 
   /// Factor of the probability that light sampling chooses this emitter.
@@ -75,8 +76,12 @@ public:
   /// The medium around the emitter, if the scene states one; null: it follows from the surfaces around it.
   const Medium* medium() const { return medium_.get(); }
 
-  /// Whether the emitter emits from the surface of its parent shape. Other emitters cannot be children of
-  /// shapes.
+  /// How its light changes over time; null: it does not. `Light` multiplies the emission by it.
+  const Modulation* modulation() const { return modulation_.get(); }
+  /// Whether its light depends on the time.
+  virtual bool changes() const { return modulation_ != nullptr; }
+
+  /// Whether it emits from the surface of its parent shape. Other emitters cannot be children of shapes.
   bool sits_on_shape() const;
   /// For an emitter on a shape whose emission depends on the shape, such as one of a given flux: returns a
   /// copy for that shape, whose data are in `light`. Null: the emitter itself holds for every shape. Throws
@@ -131,11 +136,15 @@ public:
 protected:
   /// Copies an emitter, for `fitted_to`.
   Emitter(const Emitter& other)
-      : Object(other.properties()), sampling_weight_(other.sampling_weight_), medium_(other.medium_) {}
+      : Object(other.properties()),
+        sampling_weight_(other.sampling_weight_),
+        medium_(other.medium_),
+        modulation_(other.modulation_) {}
 
 private:
   float sampling_weight_;
   MediumPtr medium_;
+  ModulationPtr modulation_;
 };
 
 /// The ray of light from infinity along `d`. It starts on a disc perpendicular to it, outside the scene's

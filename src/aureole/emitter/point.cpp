@@ -15,25 +15,26 @@ public:
     const Emission emission(p, "intensity");
     intensity_ = emission.texture();
     if (!intensity_->is_constant()) throw p.error("intensity", "expected a spectrum, not a texture");
-    const Transform to_world = p.get_transform("to_world");
+    motion_ = p.get_motion("to_world");
     if (p.has("position") && p.has("to_world"))
       throw p.error("position", "give either \"position\" or \"to_world\"");
-    position_ =
-        p.has("position") ? p.get_vec3("position", {}) : (p.find("position"), to_world.point({0, 0, 0}));
+    position_ = p.has("position") ? p.get_vec3("position", {})
+                                  : (p.find("position"), motion_.first().point({0, 0, 0}));
     const double per_unit = per_square_unit(p);
     intensity_ = emission.scaled({.flux = per_unit / (4 * M_PI), .intensity = per_unit});
   }
 
   bool is_delta() const override { return true; }
+  bool changes() const override { return motion_.is_moving() || Emitter::changes(); }
 
   std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
-    const Vec3 to = position_ - reference;
+    const Vec3 position = position_at(w), to = position - reference;
     const float d2 = length_squared(to);
     if (!(d2 > 0)) return {};
     DirectSample s;
     s.wo = to * (1 / std::sqrt(d2));
-    s.p = position_;
+    s.p = position;
     s.radiance = intensity_->eval({}, w) * (1 / d2);
     s.pdf = 1;
     s.delta = true;
@@ -43,7 +44,7 @@ public:
   std::optional<EmittedRay> sample_ray(const Light&, std::size_t, Vec2, Vec2 direction,
                                        const Wavelengths& w) const override {
     EmittedRay r;
-    r.p = position_;
+    r.p = position_at(w);
     r.d = square_to_uniform_sphere(direction);
     r.value = intensity_->eval({}, w);
     r.pdf_position = 1, r.delta_position = true;
@@ -61,11 +62,19 @@ public:
     return s;
   }
   EmissionBounds emission_bounds(const Light&, std::size_t) const override {
-    return {{position_, position_}, {0, 0, 1}, -1, 0, 1, 0.25f};
+    Bounds3 box{position_, position_};
+    for (const KeyFrame& frame : motion_.frames())
+      if (motion_.is_moving()) box.extend(frame.transform.point({0, 0, 0}));
+    return {box, {0, 0, 1}, -1, 0, 1, 0.25f};
   }
 
 private:
+  Vec3 position_at(const Wavelengths& w) const {
+    return motion_.is_moving() ? motion_.at(double(w.time)).point({0, 0, 0}) : position_;
+  }
+
   TexturePtr intensity_;
+  Motion motion_;
   Vec3 position_;
 };
 
@@ -74,12 +83,13 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Isotropic point light.",
         "",
-        with_amount_parameters({{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
-                                 "spectral radiant intensity"},
-                                {"position", "vector", "scene units", "0, 0, 0", "position of the light"},
-                                {"to_world", "transform", "", "identity",
-                                 "instead of position: the position is the transformed origin"}},
-                               "lm, W, cd, W/sr", "flux of the light, or its intensity"),
+        with_amount_parameters(
+            {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
+             {"position", "vector", "scene units", "0, 0, 0", "position of the light"},
+             {"to_world", "transform", "", "identity",
+              "instead of position: the position is the transformed origin. An `<animation>` of key frames "
+              "moves the light"}},
+            "lm, W, cd, W/sr", "flux of the light, or its intensity"),
         {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
          R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)",
          R"(<emitter type="point"><string name="amount" value="806 lm"/><float name="color_temperature" value="2700"/></emitter>)",

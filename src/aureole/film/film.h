@@ -27,7 +27,13 @@ public:
   void set_measured(MeasuredKind kind, std::string name = "");
   MeasuredKind measured_kind() const { return measured_kind_; }
 
-  int width() const { return width_; }  ///< size of the whole film [pixels]
+  /// Tells the film how long a point of it is exposed [s], for quantities over time. Throws Error if it measures one and
+  /// the duration is 0.
+  virtual void set_exposure(double /*seconds*/) {}
+  /// Whether it measures a quantity over time, such as J/m^2 or lx s.
+  virtual bool integrates_over_time() const { return false; }
+
+  int width() const { return width_; }  ///< of the whole film, pixels
   int height() const { return height_; }
   int crop_x() const { return crop_x_; }  ///< position and size of the rendered region [pixels]
   int crop_y() const { return crop_y_; }

@@ -17,6 +17,7 @@ struct FilmQuantity {
   const char *name, *words, *unit;
   MeasuredKind kind;
   SampledSpectrum (*weight)(const SpectralGrid&);
+  bool over_time = false;  ///< multiplied by the duration of the exposure
 };
 
 SampledSpectrum one(const SpectralGrid& grid) { return SampledSpectrum::constant(grid, 1); }
@@ -33,7 +34,17 @@ constexpr FilmQuantity kQuantities[] = {
     {"luminous_intensity", "luminous intensity", "cd", MeasuredKind::intensity, photopic_efficacy},
     {"scotopic_luminance", "scotopic luminance", "cd/m^2", MeasuredKind::radiance, scotopic_efficacy},
     {"scotopic_illuminance", "scotopic illuminance", "lx", MeasuredKind::irradiance, scotopic_efficacy},
-    {"scotopic_intensity", "scotopic luminous intensity", "cd", MeasuredKind::intensity, scotopic_efficacy}};
+    {"scotopic_intensity", "scotopic luminous intensity", "cd", MeasuredKind::intensity, scotopic_efficacy},
+    {"time_integrated_radiance", "time-integrated radiance", "J/(m^2 sr)", MeasuredKind::radiance, one, true},
+    {"radiant_exposure", "radiant exposure", "J/m^2", MeasuredKind::irradiance, one, true},
+    {"time_integrated_intensity", "time-integrated radiant intensity", "J/sr", MeasuredKind::intensity, one,
+     true},
+    {"photon_exposure", "photon exposure", "umol/m^2", MeasuredKind::irradiance, photons_per_joule, true},
+    {"time_integrated_luminance", "time-integrated luminance", "cd s/m^2", MeasuredKind::radiance,
+     photopic_efficacy, true},
+    {"luminous_exposure", "luminous exposure", "lx s", MeasuredKind::irradiance, photopic_efficacy, true},
+    {"time_integrated_luminous_intensity", "time-integrated luminous intensity", "cd s",
+     MeasuredKind::intensity, photopic_efficacy, true}};
 
 /// A unit beside the SI's own, with its size in the SI unit.
 struct FilmUnit {
@@ -111,6 +122,15 @@ public:
   }
   void multiply_response(const SampledSpectrum& factor) override {
     for (auto& r : response_) r = product(r, factor);
+  }
+  bool integrates_over_time() const override { return quantity_ && quantity_->over_time; }
+  void set_exposure(double seconds) override {
+    if (!integrates_over_time()) return;
+    if (!(seconds > 0))
+      throw properties().error("quantity", "\"" + std::string(quantity_->name) +
+                                               "\" is an integral over the exposure: the sensor needs "
+                                               "\"shutter_open\" and a later \"shutter_close\"");
+    for (auto& r : response_) r.scale(float(seconds));
   }
 
   std::vector<std::string> channel_names() const override {
@@ -264,7 +284,9 @@ AUREOLE_PLUGIN(
           "relative, or an absolute quantity of the kind that the sensor measures. Of a camera: radiance, "
           "photon_radiance, luminance, scotopic_luminance; of a meter or a grid of receivers: irradiance, "
           "photon_irradiance, illuminance, scotopic_illuminance; of a goniophotometer: intensity, "
-          "photon_intensity, luminous_intensity, scotopic_intensity. One channel Y in float32; luminance, "
+          "photon_intensity, luminous_intensity, scotopic_intensity. Integrals over the exposure: "
+          "time_integrated_radiance, time_integrated_luminance; radiant_exposure, luminous_exposure, photon_exposure; "
+          "time_integrated_intensity, time_integrated_luminous_intensity. One channel Y in float32; luminance, "
           "illuminance and luminous_intensity also have colours by pixel_format, with Y in the unit"},
          {"unit", "string", "", "that of the SI",
           "unit of the quantity: cd/m^2, nit, kcd/m^2 or fL; lx, klx or fc; cd or kcd; W/m^2 or mW/cm^2"},

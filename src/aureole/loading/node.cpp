@@ -11,8 +11,8 @@ namespace aureole {
 namespace {
 
 const std::string kNone;
-const std::vector<std::string> kProperties = {"boolean", "integer", "float",    "string",   "point",
-                                              "vector",  "rgb",     "spectrum", "transform"};
+const std::vector<std::string> kProperties = {"boolean", "integer", "float",    "string",    "point",
+                                              "vector",  "rgb",     "spectrum", "transform", "animation"};
 const std::vector<std::string> kOthers = {"scene", "default",   "include", "path",  "ref",    "alias",
                                           "given", "translate", "rotate",  "scale", "lookat", "matrix"};
 

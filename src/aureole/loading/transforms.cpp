@@ -116,4 +116,30 @@ Transform parse_transform(const Node& node, Diagnostics& diagnostics) {
   return product;
 }
 
+Motion parse_animation(const Node& node, Diagnostics& diagnostics) {
+  check_attributes(node, {"name"}, {}, diagnostics);
+  std::vector<KeyFrame> frames;
+  for (const Node& child : node.children) {
+    if (child.tag != "transform")
+      throw Error(child.where,
+                  "<animation> can't contain <" + child.tag + ">: it has <transform time=\"...\">");
+    if (!check_attributes(child, {"time"}, {}, diagnostics)) continue;
+    const Attribute& time = *child.find("time");
+    try {
+      frames.push_back({parse_number(time.value), {}});
+    } catch (const Error& e) {
+      throw Error(time.where, "parameter \"time\": " + e.message());
+    }
+    if (frames.size() > 1 && !(frames.back().time > frames[frames.size() - 2].time))
+      throw Error(time.where, "the times of key frames must increase");
+    frames.back().transform = parse_transform(child, diagnostics);
+  }
+  if (frames.empty()) throw Error(node.where, "<animation> needs at least one <transform time=\"...\">");
+  try {
+    return Motion(std::move(frames));
+  } catch (const Error& e) {
+    throw Error(node.where, e.message());
+  }
+}
+
 }  // namespace aureole

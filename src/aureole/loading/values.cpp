@@ -180,6 +180,7 @@ bool has_failed_attribute(const Node& node) {
 }
 
 Properties::Value convert(const Node& node, Diagnostics& diagnostics) {
+  if (node.tag == "animation") return parse_animation(node, diagnostics);
   if (node.tag != "transform" && !node.children.empty())
     throw Error(node.children.front().where,
                 "<" + node.tag + "> can't contain <" + node.children.front().tag + ">");

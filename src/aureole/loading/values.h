@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "aureole/loading/node.h"
-#include "aureole/math/transform.h"
+#include "aureole/math/motion.h"
 #include "aureole/plugin/properties.h"
 
 namespace aureole {
@@ -21,6 +21,8 @@ std::optional<Properties::Value> property_value(const Node& node, Diagnostics& d
 /// Returns the product of the steps of a <transform>; later steps apply after earlier ones. Throws Error at
 /// the faulty step.
 Transform parse_transform(const Node& node, Diagnostics& diagnostics);
+/// Returns the key frames of an <animation>: its children <transform time="...">. Throws Error at the faulty one.
+Motion parse_animation(const Node& node, Diagnostics& diagnostics);
 
 /// Parses numbers separated by commas or spaces; throws Error.
 std::vector<double> parse_numbers(std::string_view text);

@@ -100,6 +100,7 @@ struct Frame {
 struct Ray {
   Vec3 o, d;
   float t_max = kInfinity;
+  float time = 0;  ///< [s], for shapes that move
 };
 
 }  // namespace aureole

@@ -28,8 +28,10 @@ std::string describe(const Properties::Value& v) {
       return "a transform";
     case 6:
       return "a spectrum";
-    default:
+    case 7:
       return "an object";
+    default:
+      return "an animation";
   }
 }
 
@@ -197,10 +199,24 @@ Transform Properties::get_transform(std::string_view name) const {
   if (!e) return {};
   return tolerate(Transform(), [&] {
     const Transform* t = transform_of(e->value);
+    if (!t && motion_of(e->value))
+      throw error(name, "\"" + type_ + "\" cannot move: give a <transform> instead of an <animation>");
     if (!t) throw wrong_type(*e, "a transform");
     if (t->is_singular()) throw error(name, "the transform is singular (it cannot be inverted)");
     if (!t->stays_near()) throw error(name, "leads beyond the coordinate 9e17, where rays end");
     return *t;
+  });
+}
+
+Motion Properties::get_motion(std::string_view name) const {
+  const Entry* e = find(name);
+  const Motion* motion = e ? motion_of(e->value) : nullptr;
+  if (!motion) return Motion(get_transform(name));
+  return tolerate(Motion(), [&] {
+    for (const KeyFrame& frame : motion->frames())
+      if (!frame.transform.stays_near())
+        throw error(name, "leads beyond the coordinate 9e17, where rays end");
+    return *motion;
   });
 }
 

@@ -19,7 +19,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/random.h"
-#include "aureole/math/transform.h"
+#include "aureole/math/motion.h"
 #include "aureole/plugin/model_cache.h"
 #include "aureole/plugin/object.h"
 #include "aureole/spectrum/wavelengths.h"
@@ -87,9 +87,10 @@ private:
 class Properties : public std::enable_shared_from_this<Properties> {
 public:
   using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Shared<Transform>,
-                             Shared<SpectrumLiteral>, ObjectPtr>;
+                             Shared<SpectrumLiteral>, ObjectPtr, Shared<Motion>>;
   /// Returns the value if it has that type, or null.
   static const Transform* transform_of(const Value& value) { return get_if_shared<Transform>(value); }
+  static const Motion* motion_of(const Value& value) { return get_if_shared<Motion>(value); }
   static const SpectrumLiteral* spectrum_of(const Value& value) {
     return get_if_shared<SpectrumLiteral>(value);
   }
@@ -143,6 +144,9 @@ public:
   Vec3 get_vec3(std::string_view name, const Vec3& fallback) const;
   /// Returns the identity if absent; a singular transform is an Error.
   Transform get_transform(std::string_view name) const;
+  /// Returns a transform or an animation; the identity if absent. Its key frames are invertible and keep the origin
+  /// within the range of rays, otherwise there is an Error.
+  Motion get_motion(std::string_view name) const;
   /// A physical length in metres. The file must give a string with a unit ("5um"); for a plain number an
   /// Error asks for the unit.
   double get_length_m(std::string_view name, double fallback_m, Range range = Range::positive()) const;

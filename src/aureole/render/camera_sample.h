@@ -24,9 +24,19 @@ inline SensorRay begin_camera_sample(const Scene& scene, std::uint64_t key, int 
   position = samples.get2(SampleStream::kFilm) + Vec2{float(x), float(y)};
   wavelengths = scene.wavelengths().sample(samples.get1(SampleStream::kWavelengthSet),
                                            samples.get1(SampleStream::kHero));
-  const bool lens = sensor.uses_lens();
-  const SensorRay ray = sensor.sample_ray(position, lens ? samples.get2(SampleStream::kLens) : Vec2{});
-  samples.set_first(SampleStream::camera_dimensions(lens));
+  const bool lens = sensor.uses_lens(), changes = scene.changes();
+  if (changes) {
+    const Exposure& exposure = sensor.sensor->exposure();
+    wavelengths.time = exposure.time(exposure.is_instant() ? 0.f : samples.get1(SampleStream::kTime), x, y,
+                                     scene.film().width(), scene.film().height());
+  }
+  const Vec2 lens_position = lens ? samples.get2(SampleStream::kLens) : Vec2{};
+  if (sensor.disperses()) wavelengths = wavelengths.of_hero();
+  SensorRay ray = sensor.disperses() ? sensor.sample_dispersed_ray(position, lens_position, wavelengths.time,
+                                                                   wavelengths.nm[0])
+                                     : sensor.sample_ray(position, lens_position, wavelengths.time);
+  ray.ray.time = wavelengths.time;
+  samples.set_first(SampleStream::camera_dimensions(lens || changes));
   return ray;
 }
 

@@ -107,6 +107,19 @@ RenderState planned_state(const LoadedScene& loaded, const RenderOptions& option
   const Sampler& sampler = scene.sensor().sampler();
   const std::int64_t end = options.end.value_or(sampler.sample_count());
   integrator.require_scene(scene);
+  if (scene.sensor().disperses() && integrator.leaves() != Integrator::Leaves::pixel)
+    throw Error(
+        integrator.properties().where(),
+        "\"" + integrator.properties().type() + "\" connects light with the sensor, which a \"" +
+            scene.sensor().properties().type() +
+            "\" does not allow: use an integrator that follows paths from the sensor alone, such as \"path\"");
+  if (scene.changes() && scene.sensor().sensor->exposure().readout > 0 &&
+      integrator.leaves() != Integrator::Leaves::pixel)
+    throw scene.sensor().properties().error(
+        "readout_time",
+        "\"" + integrator.properties().type() +
+            "\" leaves light anywhere on the film, whose rows are exposed at different times: use an "
+            "integrator that follows paths from the sensor alone, such as \"path\"");
   require_range(film, options, end);
   const std::vector<std::string> aovs = integrator.aov_names();
   PictureIdentity id;

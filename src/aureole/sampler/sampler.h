@@ -79,8 +79,9 @@ public:
   // The order of dimensions was chosen by measurement (docs/performance.md). The first block of 8 contains
   // the film position, the set of wavelengths, the directions of the first vertex (or the lens), and last the
   // hero wavelength.
-  static constexpr int kFilm = 0, kWavelengthSet = 2, kLens = 3, kHero = 7;
-  static constexpr int camera_dimensions(bool lens) { return lens ? 11 : 3; }
+  static constexpr int kFilm = 0, kWavelengthSet = 2, kLens = 3, kTime = 5, kHero = 7;
+  /// `further`: the camera uses the lens or the time.
+  static constexpr int camera_dimensions(bool further) { return further ? 11 : 3; }
 
   // A vertex of a path needs two pairs for directions, which profit from low dimensions, and up to four
   // single numbers for choices, many of which are never used. So choices have separate dimensions.

@@ -17,13 +17,6 @@ namespace {
 // offset, and its distance to the plane is exactly 0.
 constexpr float kMinDistance = std::numeric_limits<float>::min();
 
-void load_ray(const Ray& ray, RTCRay& r) {
-  r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
-  r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
-  r.tnear = kMinDistance, r.tfar = ray.t_max, r.time = 0;
-  r.mask = ~0u, r.id = 0, r.flags = 0;
-}
-
 /// The context of a query for all hits. Embree hands it to `keep_hit`.
 struct AllHitsContext {
   RTCIntersectContext context;  // first member, so that its address is the address of the whole object
@@ -57,6 +50,13 @@ RTCIntersectContext context_for(RayTracer::Rays kind) {
 
 }  // namespace
 
+void RayTracer::load_ray(const Ray& ray, RTCRay& r) const {
+  r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
+  r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
+  r.tnear = kMinDistance, r.tfar = ray.t_max, r.time = window_.fraction(ray.time);
+  r.mask = ~0u, r.id = 0, r.flags = 0;
+}
+
 /// Loads a packet of 8 or 16 lanes. Lanes beyond n and untraceable rays are not `valid`.
 template <class Rtc>
 void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) const {
@@ -78,7 +78,10 @@ void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) const {
     std::memcpy(valid + lane, &good, sizeof good);
   }
   std::fill_n(r.tnear, kLanes, kMinDistance);
-  std::fill_n(r.time, kLanes, 0.f);
+  if (window_.is_open)
+    for (int lane = 0; lane < kLanes; ++lane) r.time[lane] = window_.fraction(rays.time_[lane]);
+  else
+    std::fill_n(r.time, kLanes, 0.f);
   std::fill_n(r.mask, kLanes, ~0u);
   std::fill_n(r.id, kLanes, 0u);
   std::fill_n(r.flags, kLanes, 0u);
@@ -140,6 +143,7 @@ RayTracer::RayTracer(std::span<const Primitive> parts, const RayTracer* reuse) {
       rtcAttachGeometryByID(scene_, geometry, unsigned(i));
       rtcReleaseGeometry(geometry);
       farthest_ = std::min(farthest_, part.instance->farthest(kFarthest));
+      if (part.instance->is_moving()) window_ = part.instance->window();
     } else {
       rtcAttachGeometryByID(scene_, geometry_of(part.shape, reuse)->handle.get(), unsigned(i));
     }

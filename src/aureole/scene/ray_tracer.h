@@ -27,15 +27,18 @@ public:
   static constexpr int kSize = 16;
   void set(int lane, const Ray& ray) {
     for (int i = 0; i < 3; ++i) o_[i][lane] = ray.o[i], d_[i][lane] = ray.d[i];
-    t_max_[lane] = ray.t_max;
+    t_max_[lane] = ray.t_max, time_[lane] = ray.time;
   }
   Ray get(int lane) const {
-    return {{o_[0][lane], o_[1][lane], o_[2][lane]}, {d_[0][lane], d_[1][lane], d_[2][lane]}, t_max_[lane]};
+    return {{o_[0][lane], o_[1][lane], o_[2][lane]},
+            {d_[0][lane], d_[1][lane], d_[2][lane]},
+            t_max_[lane],
+            time_[lane]};
   }
 
 private:
   friend class RayTracer;
-  alignas(64) float o_[3][kSize] = {}, d_[3][kSize] = {}, t_max_[kSize] = {};
+  alignas(64) float o_[3][kSize] = {}, d_[3][kSize] = {}, t_max_[kSize] = {}, time_[kSize] = {};
 };
 
 class RayTracer {
@@ -83,6 +86,7 @@ public:
   Bounds3 bounds() const { return bounds_; }
 
 private:
+  void load_ray(const Ray& ray, RTCRay& r) const;
   template <class Rtc>
   void load(const RayPacket& rays, int n, Rtc& r, int* valid) const;
   template <class Rtc, class Query>
@@ -119,6 +123,7 @@ private:
   RTCScene scene_ = nullptr;  ///< handle of `owned_scene_`, without the smart pointer
   Bounds3 bounds_;
   float farthest_ = kFarthest;
+  TimeWindow window_;  ///< of instances that move
 };
 
 }  // namespace aureole

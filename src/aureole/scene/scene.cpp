@@ -68,6 +68,7 @@ std::string rounding_note(const std::vector<Primitive>& parts) {
 
 Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   if (!parts_.sensor) throw Error("the scene has no sensor");
+  set_in_motion();
   Bounds3 places;
   std::unordered_set<const ShapeList*> groups;
   for (const Primitive& part : parts_.surfaces) {
@@ -103,6 +104,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   check_sensor_medium();
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
+  find_changes();
   if (!parts_.diffraction) {
     if (std::string note = note_without_diffraction(parts_); !note.empty()) notes_.push_back(std::move(note));
     return;
@@ -123,6 +125,47 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
 
 DiffractionInput Scene::diffraction_input() const {
   return {parts_, surfaces_, emitters_, lights_, sensor_, has_binary_visibility()};
+}
+
+void Scene::set_in_motion() {
+  const Exposure& exposure = parts_.sensor->exposure();
+  constexpr double kNotable = 1e-3;
+  for (Primitive& part : parts_.surfaces) {
+    if (!part.instance || !part.instance->is_moving()) continue;
+    if (parts_.diffraction)
+      throw part.element->error("to_world", "an instance cannot move where edges diffract light");
+    part.instance = part.instance->during(exposure.open, exposure.close + exposure.readout);
+    changes_ = true;
+    const double size = double(length(part.bounds().diagonal())), off = part.instance->deviation();
+    if (off > kNotable * size)
+      notes_.push_back(
+          part.element
+              ->error("to_world", fmt::format("moves too far during the exposure for the 128 straight pieces "
+                                              "of its path: it is up to {:.2g} off its place",
+                                              off))
+              .what());
+  }
+}
+
+void Scene::find_changes() {
+  const bool moves = sensor_.motion;
+  changes_ |= moves || std::any_of(emitters_.begin(), emitters_.end(),
+                                   [](const Light& light) { return light.emitter->changes(); });
+  const Properties& p = sensor_.properties();
+  const Exposure& exposure = sensor_.sensor->exposure();
+  if (moves && parts_.diffraction)
+    throw p.error("to_world", "a sensor cannot move where edges diffract light");
+  const bool stated = p.has("shutter_open") || p.has("shutter_close") || p.has("readout_time");
+  if (stated && !changes_ && !film().integrates_over_time())
+    notes_.push_back(
+        p.error("shutter_open", "nothing changes over time: the exposure has no effect on the picture")
+            .what());
+  if (changes_ && exposure.is_instant())
+    notes_.push_back(
+        p.error("shutter_close",
+                "the scene changes over time, and the sensor sees an instant of it: \"shutter_open\" and "
+                "\"shutter_close\" make an exposure")
+            .what());
 }
 
 void Scene::note_clipping() {

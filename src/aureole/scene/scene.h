@@ -57,6 +57,8 @@ public:
   const std::vector<const Medium*>& media() const { return media_; }
   /// Whether surfaces touch each other where a body begins or ends (scene/contact_search.h).
   bool has_contacts() const { return has_contacts_; }
+  /// Whether lights, the sensor or shapes change over time: paths then have a time during the exposure.
+  bool changes() const { return changes_; }
   /// Whether light may enter a surface at one point and leave it at another (subsurface scattering).
   bool has_exits() const { return has_exits_; }
   /// Whether light sampling from points in the medium can succeed. False if opaque or refracting surfaces,
@@ -122,6 +124,10 @@ private:
   void find_closed_media();
   void look_for_contacts();
   bool faces_outwards(std::size_t part) const;
+  /// Places instances that move at the times of the exposure.
+  void set_in_motion();
+  /// Finds out whether anything changes over time, and notes exposures that have no effect.
+  void find_changes();
   /// Throws Error if the sensor is in a medium that the medium's surfaces do not enclose.
   void check_sensor_medium() const;
 
@@ -137,7 +143,7 @@ private:
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< bounds of the emissive shapes, if they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
-  bool has_exits_ = false, has_contacts_ = false;
+  bool has_exits_ = false, has_contacts_ = false, changes_ = false;
   std::vector<const Medium*> media_;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
   /// A medium that lies inside closed surfaces without straight transmission, and the box around them.

@@ -10,7 +10,7 @@ class OrthographicSensor final : public Sensor {
 public:
   explicit OrthographicSensor(const Properties& p) : Sensor(p), clip_(p) {
     read_common(p);
-    to_world_ = p.get_transform("to_world");
+    to_world_ = read_motion(p);
     to_camera_ = to_world_.inverse();
     const Vec3 axis = to_world_.vector({0, 0, 1});
     axis_length_ = length(axis);
@@ -74,9 +74,11 @@ AUREOLE_PLUGIN(
         "plane z = 0 of the camera, cut or extended in height to the film's aspect; the scale of "
         "to_world makes it larger.",
         "",
-        camera_parameters({{"to_world", "transform", "", "identity",
-                            "camera to world; its x and y scale set the size of the visible area"},
-                           {"focus_distance", "float", "scene units", "none", "accepted without effect"}}),
+        camera_parameters(
+            {{"to_world", "transform", "", "identity",
+              "camera to world; its x and y scale set the size of the visible area. An `<animation>` of key "
+              "frames moves the camera"},
+             {"focus_distance", "float", "scene units", "none", "accepted without effect"}}),
         {R"(<sensor type="orthographic">
     <transform name="to_world">
         <scale x="3" y="3"/>

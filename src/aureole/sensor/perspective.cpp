@@ -30,6 +30,16 @@ AUREOLE_PLUGIN(PerspectiveSensor, "sensor", "perspective",
 </sensor>)",
                           R"(<sensor type="perspective"><string name="focal_length" value="35mm"/></sensor>)",
                           R"(<sensor type="perspective">
+    <!-- the irradiance on the film behind a lens of f/4, from 10 to 20 ms, by rows that begin up to 5 ms later -->
+    <string name="measure" value="irradiance"/> <float name="f_number" value="4"/> <string name="aperture" value="sine"/>
+    <float name="shutter_open" value="0.01"/> <float name="shutter_close" value="0.02"/>
+    <float name="readout_time" value="0.005"/> <string name="readout_direction" value="down"/>
+    <animation name="to_world">
+        <transform time="0.01"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <transform time="0.03"><lookat origin="0.1, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>
+    </animation>
+</sensor>)",
+                          R"(<sensor type="perspective">
     <!-- a filter before the lens -->
     <spectrum name="srf" value="360:0, 500:0, 560:1, 830:1"/>
 </sensor>)"}});

@@ -26,19 +26,30 @@ struct PlacedSensor {
                               ///< projection
 
   std::vector<PlacedSensor> members;  ///< the sensors of a batch
+  const Motion* motion = nullptr;     ///< of the sensor; null: it stands still
 
   /// Places a sensor that has its own film.
   static PlacedSensor of(const Sensor& sensor, std::shared_ptr<const ShapeArea> area,
                          const Vec3& scene_center, float scene_radius);
 
-  SensorRay sample_ray(Vec2 film_position, Vec2 lens) const {
-    return sensor->sample_ray(*this, film_position, lens);
+  // `time` [s] matters for sensors that move.
+  SensorRay sample_ray(Vec2 film_position, Vec2 lens, float time = 0) const {
+    const SensorRay ray = sensor->sample_ray(*this, film_position, lens);
+    return motion ? moved(ray, time) : ray;
   }
+  SensorRay sample_dispersed_ray(Vec2 film_position, Vec2 lens, float time, float nm) const {
+    const SensorRay ray = sensor->sample_dispersed_ray(*this, film_position, lens, nm);
+    return motion ? moved(ray, time) : ray;
+  }
+  bool disperses() const { return sensor->disperses(); }
   bool uses_lens() const { return sensor->uses_lens(); }
-  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2 lens) const {
+  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2 lens, float time = 0) const {
+    if (motion) return sample_direct_moved(reference, lens, time);
     return sensor->sample_direct(*this, reference, lens);
   }
-  std::optional<SensorResponse> eval(const Vec3& p, const Vec3& d, std::optional<Vec2> seen = {}) const {
+  std::optional<SensorResponse> eval(const Vec3& p, const Vec3& d, std::optional<Vec2> seen = {},
+                                     float time = 0) const {
+    if (motion) return eval_moved(p, d, seen, time);
     return sensor->eval(*this, p, d, seen);
   }
   std::optional<Receiver> receiver(Vec2 film_position) const {
@@ -56,6 +67,14 @@ struct PlacedSensor {
   const Film& film() const { return sensor->film(); }
   const Sampler& sampler() const { return sensor->sampler(); }
   const Properties& properties() const { return sensor->properties(); }
+
+private:
+  /// From the sensor's place at its first key frame to that at a time; a rotation and a translation.
+  Transform moved_to(float time) const;
+  SensorRay moved(SensorRay ray, float time) const;
+  std::optional<SensorConnection> sample_direct_moved(const Vec3& reference, Vec2 lens, float time) const;
+  std::optional<SensorResponse> eval_moved(const Vec3& p, const Vec3& d, std::optional<Vec2> seen,
+                                           float time) const;
 };
 
 }  // namespace aureole

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "aureole/math/warp.h"
+#include "aureole/optics/detector/detector.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
@@ -48,8 +50,7 @@ std::string ClipPlanes::note(const Properties& p, const Transform& to_camera, st
       first, last, near, far_z);
 }
 
-Transform rigid_transform(const Properties& p) {
-  Transform to_world = p.get_transform("to_world");
+Transform rigid_transform(const Properties& p, const Transform& to_world) {
   for (int c = 0; c < 3; ++c) {
     const auto& m = to_world.matrix();
     const double l = std::hypot(m[0][c], m[1][c], m[2][c]);
@@ -59,8 +60,23 @@ Transform rigid_transform(const Properties& p) {
 }
 
 LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p), field_of_view_(p) {
-  read_common(p);
-  to_world_ = rigid_transform(p);
+  const bool irradiance = p.get_choice("measure", "radiance", {"radiance", "irradiance"}) == "irradiance";
+  read_common(p, Measures::picture, irradiance ? MeasuredKind::irradiance : MeasuredKind::radiance);
+  const bool thin = p.get_choice("aperture", "sine", {"sine", "thin"}) == "thin";
+  const double f_number = p.get_float("f_number", 2.8, {1e-3, 1e6});
+  if (irradiance) {
+    try {
+      film_angle_ = float(optics::aperture_solid_angle(
+          f_number, thin ? optics::ApertureLaw::thin : optics::ApertureLaw::sine));
+    } catch (const std::domain_error& e) {
+      throw p.error("f_number", e.what());
+    }
+  } else {
+    for (const char* name : {"f_number", "aperture"})
+      if (p.has(name))
+        p.note(name, "has no effect: with the measure \"radiance\" the brightness does not depend on it");
+  }
+  to_world_ = rigid_transform(p, read_motion(p));
   to_camera_ = to_world_.inverse();
   origin_ = to_world_.point({0, 0, 0});
   for (int i = 0; i < 3; ++i) axes_[i] = to_world_.vector({float(i == 0), float(i == 1), float(i == 2)});
@@ -102,7 +118,7 @@ SensorRay LensCamera::sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) c
   // Distances along the ray from plane to plane: a unit along the ray is 1 / |v| along z.
   const float slope = length(v), to_near = clip_.near * slope, to_far = clip_.far * slope;
   const Vec3 from = aperture_radius_ > 0 ? to_world_.point({a.x, a.y, 0}) : origin_;
-  return {{from + d * to_near, d, to_far - to_near}};
+  return {{from + d * to_near, d, to_far - to_near}, weight(slope)};
 }
 
 std::optional<SensorConnection> LensCamera::sample_direct(const PlacedSensor& at, const Vec3& reference,
@@ -118,7 +134,7 @@ std::optional<SensorConnection> LensCamera::sample_direct(const PlacedSensor& at
   // = cos^2 / z^2. Aperture points have the same pdf as for the film's own rays, so that it cancels.
   const Vec3 w = to_world_.vector(v), start = to_world_.point({a.x, a.y, 0}) + w * clip_.near;
   return SensorConnection{-normalize(w), start, film,
-                          length(v) / (at.pixel_size * at.pixel_size * q.z * q.z)};
+                          length(v) * weight(length(v)) / (at.pixel_size * at.pixel_size * q.z * q.z)};
 }
 
 std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
@@ -142,6 +158,7 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
   const float inverse_cosine = length(local) / local.z, pixel = at.pixel_size;
   response.pdf_direction =
       inverse_cosine * inverse_cosine * inverse_cosine / (pixel * pixel * at.part.sample_area());
+  response.weight = weight(inverse_cosine);
   const float distance = q.z * inverse_cosine;
   response.pdf_across = distance > 0 ? response.pdf_direction / (distance * distance) : 0;
   return response;
@@ -161,7 +178,8 @@ std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own) {
 }
 
 std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"to_world", "transform", "", "identity", "camera to world; must not scale"});
+  own.push_back({"to_world", "transform", "", "identity",
+                 "camera to world; must not scale. An `<animation>` of key frames moves the camera"});
   own.push_back({"fov", "float", "degrees", "from focal_length", "field of view along fov_axis"});
   own.push_back({"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"});
   own.push_back({"focal_length", "string", "mm", "50mm",
@@ -169,6 +187,16 @@ std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own) 
   own.push_back({"principal_point_offset_x", "float", "film widths", "0", "shifts the centre of projection"});
   own.push_back(
       {"principal_point_offset_y", "float", "film heights", "0", "shifts the centre of projection"});
+  own.push_back(
+      {"measure", "string", "", "radiance",
+       "radiance along the rays, or irradiance on the film: the radiance times the solid angle of the aperture "
+       "and cos^4 of the angle to the axis"});
+  own.push_back(
+      {"f_number", "float", "", "2.8", "for the irradiance: focal length over diameter of the aperture"});
+  own.push_back(
+      {"aperture", "string", "", "sine",
+       "which solid angle an f-number N has in the middle of the film: sine, pi/(4 N^2), of a lens that meets "
+       "Abbe's sine condition; thin, pi sin^2(atan(1/(2 N))), of an ideal thin lens, which `thinlens` is"});
   return camera_parameters(std::move(own));
 }
 

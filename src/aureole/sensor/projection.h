@@ -24,8 +24,9 @@ struct ClipPlanes {
                    double far_z) const;
 };
 
-/// Returns the parameter `to_world` of a camera. Throws Error if it scales.
-Transform rigid_transform(const Properties& properties);
+/// Returns the parameter `to_world` of a camera, `transform` being its value at the first key frame. Throws Error if it
+/// scales.
+Transform rigid_transform(const Properties& properties, const Transform& transform);
 
 /// A camera with a circular aperture around the origin of camera space. Its optical axis is local +z; local
 /// +x points left and +y up in the picture, as in Mitsuba.
@@ -45,6 +46,11 @@ public:
 
 protected:
   explicit LensCamera(const Properties& properties);
+  /// Factor of the radiance along a ray that has the length `slope` for a unit along the axis: 1, or what makes it the
+  /// irradiance on the film.
+  float weight(float slope) const {
+    return film_angle_ > 0 ? film_angle_ / (slope * slope * slope * slope) : 1.f;
+  }
   const ClipPlanes& clip() const { return clip_; }
   void set_lens(double aperture_radius, double focus_distance);
 
@@ -56,7 +62,9 @@ private:
   Vec3 origin_, axes_[3];  ///< origin and axes of camera space in the world
   ClipPlanes clip_;
   float aperture_radius_ = 0;
-  float inverse_focus_ = 0;  ///< inverse distance of the plane in focus; unused for a pinhole
+  float film_angle_ =
+      0;  ///< projected solid angle of the aperture from the middle of the film [sr]; 0: radiance is measured
+  float inverse_focus_ = 0;  ///< 1 / distance of the plane in focus; unused for a pinhole
   FieldOfView field_of_view_;
   /// offset of the principal point, in fractions of the picture's width and height
   double principal_point_offset_[2];

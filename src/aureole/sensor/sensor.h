@@ -19,6 +19,20 @@ namespace aureole {
 class ShapeArea;
 struct PlacedSensor;
 
+/// When a sensor measures. Every point of the film is exposed from `open` to `close`; where the sensor reads its rows or
+/// columns one after the other, the exposure of the last one begins `readout` later (rolling shutter).
+struct Exposure {
+  enum class Readout { down, up, right, left };
+  double open = 0, close = 0;  ///< [s]
+  double readout = 0;          ///< [s]
+  Readout direction = Readout::down;
+
+  double duration() const { return close - open; }
+  bool is_instant() const { return close == open; }
+  /// The time at the fraction `u` of the exposure of a pixel of a film of that size.
+  float time(float u, int x, int y, int width, int height) const;
+};
+
 struct SensorRay {
   Ray ray;
   float weight = 1;  ///< factor of the radiance along the ray
@@ -125,6 +139,14 @@ public:
   /// Samples the ray of `film_position` (pixels from the film's top left corner, not the crop's). `lens`
   /// chooses a point of the aperture.
   virtual SensorRay sample_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens) const = 0;
+  /// Whether rays depend on the wavelength: paths then have one, `Wavelengths::of_hero`, and `sample_dispersed_ray` makes
+  /// their rays.
+  virtual bool disperses() const { return false; }
+  /// As `sample_ray`, at a wavelength [nm].
+  virtual SensorRay sample_dispersed_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens,
+                                         float /*nm*/) const {
+    return sample_ray(at, film_position, lens);
+  }
   /// Whether sample_ray uses `lens`: two dimensions of the sampler.
   virtual bool uses_lens() const { return false; }
   /// Connects a point of the scene to the sensor, for light tracing. Returns nothing if the point is not
@@ -168,6 +190,11 @@ public:
   /// Fills the derived members of the record. Throws Error if the sensor cannot be used with them.
   virtual void fit(PlacedSensor& /*at*/) const {}
 
+  const Exposure& exposure() const { return exposure_; }
+  /// Where the sensor is over time; null: it stands still. All other functions hold for its place at `motion()->first()`,
+  /// and `PlacedSensor` moves what they take and give.
+  const Motion* motion() const { return motion_.is_moving() ? &motion_ : nullptr; }
+
   /// The medium around the sensor, if the scene states one; null: it follows from the surfaces around it.
   const Medium* medium() const { return medium_.get(); }
   const Film& film() const { return *film_; }
@@ -189,11 +216,16 @@ protected:
   static Vec3 unit_direction(const Properties& properties, std::string_view name, const Vec3& v);
 
   const std::shared_ptr<Film>& shared_film() const { return film_; }
+  /// Reads the transform or the animation `to_world`, and returns the transform of its first key frame. Throws Error if
+  /// it is an animation that scales, and for the sensors of a batch.
+  Transform read_motion(const Properties& properties);
 
 private:
   std::shared_ptr<Film> film_;
   std::shared_ptr<Sampler> sampler_;
   MediumPtr medium_;
+  Exposure exposure_;
+  Motion motion_;
   Measures measures_ = Measures::picture;
 };
 

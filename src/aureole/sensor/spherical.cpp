@@ -16,7 +16,7 @@ class SphericalSensor final : public Sensor {
 public:
   explicit SphericalSensor(const Properties& p) : Sensor(p), clip_(p) {
     read_common(p);
-    to_world_ = rigid_transform(p);
+    to_world_ = rigid_transform(p, read_motion(p));
     to_camera_ = to_world_.inverse();
     origin_ = to_world_.point({0, 0, 0});
     if (film().sample_border())
@@ -108,7 +108,9 @@ AUREOLE_PLUGIN(
         "`envmap` with the same `to_world` shows what the camera saw. `near_clip` and `far_clip` are distances along "
         "the rays.",
         "",
-        camera_parameters({{"to_world", "transform", "", "identity", "camera to world; must not scale"}}),
+        camera_parameters(
+            {{"to_world", "transform", "", "identity",
+              "camera to world; must not scale. An `<animation>` of key frames moves the camera"}}),
         {R"(<sensor type="spherical">
     <transform name="to_world"><lookat origin="0, 1.6, 0" target="0, 1.6, 1" up="0, 1, 0"/></transform>
     <float name="near_clip" value="0.1"/> <float name="far_clip" value="100"/>

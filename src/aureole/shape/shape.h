@@ -36,7 +36,7 @@ public:
   /// Returns the derivatives of the position at a surface point, in world space, for bump and normal maps.
   SurfaceDerivatives derivatives(const SurfacePoint& point) const {
     const SurfaceDerivatives own = own_derivatives(point);
-    return point.instance ? point.instance->to_world(own) : own;
+    return point.instance ? point.instance->to_world(own, point.time) : own;
   }
   /// Returns the derivatives in the coordinates of the shape's group. `p` and the normals of a point hit
   /// through an instance are in world space: only uv, primitive and barycentric may be used.

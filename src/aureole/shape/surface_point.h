@@ -23,6 +23,7 @@ struct SurfacePoint {
   const Surface* surface = nullptr;
   std::uint32_t primitive = 0;
   Vec2 barycentric;  ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
+  float time = 0;    ///< [s], of a hit on an instance that moves
   const Instance* instance = nullptr;  ///< instance through which `shape` was hit, if it belongs to a group
 };
 

@@ -46,15 +46,26 @@ struct WavelengthRange {
   bool is_proper() const { return min_nm > 0 && min_nm < max_nm; }
 };
 
-/// The N wavelengths of a path with their pdfs p_lambda [1/nm]; index 0 is the hero.
+/// The N wavelengths of a path with their pdfs p_lambda [1/nm], index 0 being the hero, and the time of the path. Neither
+/// changes along a path: scattering is elastic, and light passes the scene in an instant.
 struct Wavelengths {
   Spectrum nm;
   Spectrum pdf;
   SpectrumMask cell{};  ///< index of the grid cell that contains each wavelength
   Spectrum fraction;    ///< position within the cell, in [0, 1]
+  float time = 0;       ///< [s], sampled during the exposure where the scene changes; else 0
 
   /// Wavelengths given directly (tests, instruments); pdf is set to `pdf_per_nm`.
   static Wavelengths at(const SpectralGrid& grid, const Spectrum& nm, float pdf_per_nm = 1);
+
+  /// The hero in the place of every wavelength: estimates of all of them, each over the sum of their pdfs, are those of the
+  /// hero alone. For paths whose first ray holds for one wavelength.
+  Wavelengths of_hero() const {
+    Wavelengths w = *this;
+    for (int i = 1; i < kWavelengths; ++i)
+      w.nm[i] = nm[0], w.pdf[i] = pdf[0], w.cell[i] = cell[0], w.fraction[i] = fraction[0];
+    return w;
+  }
 };
 
 /// The value of a spectrum at wavelengths outside its points.

@@ -56,6 +56,7 @@ Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
 }
 
 bool is_visible(const Scene& scene, TestSegment& c, const Wavelengths& w) {
+  c.ray.time = w.time;
   if (scene.has_binary_visibility() && !c.through_emitters)
     return !scene.tracer().occluded(c.ray) || is_lost(scene, c);
   for (;;) {

@@ -40,7 +40,7 @@ public:
     // well: by rounding, a face at the hit's distance may lie in front of an interval that begins at the hit.
     constexpr float kReach = 16;
     thread_local std::vector<RayTracer::Hit> near;
-    scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max)},
+    scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max), ray.time},
                             hit.t - reach / size, near);
     for (const RayTracer::Hit& h : near) {
       if (h.shape == hit.shape && h.geometry == hit.geometry && h.primitive == hit.primitive) continue;

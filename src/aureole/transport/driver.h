@@ -97,6 +97,7 @@ template <class Steps, class Connection>
     if constexpr (requires { steps.crossings_left(path, k); })
       c.crossings_left = steps.crossings_left(path, k);
     c.goes_behind = scene.outline_edges() != nullptr;
+    c.ray.time = steps.wavelengths(path).time;
     connections.rays.add(path, c.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, k, connections);

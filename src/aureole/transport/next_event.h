@@ -125,7 +125,7 @@ bool connect_to_sensor(const Scene& scene, const BasicVertex<Space::any, L>& ver
                        std::uint32_t key, BasicConnection<L>& out, Vec2& film, Pdfs&& pdfs) {
   // Rays of the sensor pass through the surfaces of lights.
   if (!vertex.is_smooth() || (hide_emitters && vertex.light())) return false;
-  const auto seen = scene.sensor().sample_direct(vertex.p(), lens);
+  const auto seen = scene.sensor().sample_direct(vertex.p(), lens, w.time);
   if (!seen || !(seen->importance > 0)) return false;
   if (!vertex.is_surface() && !scene.may_see(*state.medium, seen->p)) return false;
   BasicResponse<L> response;

@@ -262,7 +262,9 @@ public:
   void leave(const Vec3& d, bool has_media, RayState& state) const {
     if (has_media && !in_medium()) state.pass(surface_.point(), state.ray.d, d);
     const RayOrigin from = origin();
+    const float time = state.ray.time;
     state.ray = from.spawn(d);
+    state.ray.time = time;
     if (has_media) state.offset = from.offset(state.ray);
   }
   /// The state of a ray that leaves along `d`, except for the ray itself. `state` belongs to the ray that led

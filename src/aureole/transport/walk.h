@@ -484,6 +484,7 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
   s.diffraction.begins_at_infinity = choice->light->is_infinite();
   const RayOrigin from = RayOrigin::of(*emitted);
   s.segment.ray = from.spawn(emitted->d);
+  s.segment.ray.time = wavelengths(i).time;
   s.segment.offset = from.offset(s.segment.ray);
   s.segment.begin();
   find_interiors(scene_, choice->light, s.segment);

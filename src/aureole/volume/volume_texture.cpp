@@ -36,7 +36,8 @@ public:
 private:
   /// The volume belongs to the group of an instanced shape, and moves with it.
   Vec3 place(const SurfacePoint& point) const {
-    return point.instance && !volume_->is_constant() ? point.instance->point_to_group(point.p) : point.p;
+    return point.instance && !volume_->is_constant() ? point.instance->point_to_group(point.p, point.time)
+                                                     : point.p;
   }
 
   SpectrumRole role_;

@@ -75,17 +75,17 @@ public:
     const Vertex& vertex = vertices_[i];
     if (!may_connect(i) || !techniques_.have(s.depth + 2, 1)) return false;
     const Vec2 lens = scene_.sensor().uses_lens() ? get(s.samples, s.vertex, Pair::connection) : Vec2{};
-    return connect_to_sensor<L>(scene_, vertex, s.segment, s.arrived.beta, lens, limits_.hide_emitters,
-                                wavelengths(i), key(s.samples, s.vertex, Stream::connection), out, film_[i],
-                                [&](const auto& seen, const auto&, Spectrum& own, Spectrum& other) {
-                                  const auto inverse = scene_.sensor().eval(vertex.p(), -seen.wo, seen.film);
-                                  if (!inverse) return false;
-                                  own = s.arrived.r_u;
-                                  other = techniques_.others(inverse->pdf_across *
-                                                             vertex.density_across(seen.wo) *
-                                                             s.arrived.others(vertex.reverse_pdf(seen.wo)));
-                                  return true;
-                                });
+    return connect_to_sensor<L>(
+        scene_, vertex, s.segment, s.arrived.beta, lens, limits_.hide_emitters, wavelengths(i),
+        key(s.samples, s.vertex, Stream::connection), out, film_[i],
+        [&](const auto& seen, const auto&, Spectrum& own, Spectrum& other) {
+          const auto inverse = scene_.sensor().eval(vertex.p(), -seen.wo, seen.film, wavelengths(i).time);
+          if (!inverse) return false;
+          own = s.arrived.r_u;
+          other = techniques_.others(inverse->pdf_across * vertex.density_across(seen.wo) *
+                                     s.arrived.others(vertex.reverse_pdf(seen.wo)));
+          return true;
+        });
   }
   void connected(int i, int, const Connection& c, bool open) {
     if (open) splats_.push_back({i, film_[i], c.estimate()});

@@ -90,7 +90,7 @@ public:
     const Vec3 d = s.segment.ray.d;
     float spread = length_squared(vertex.p() - s.from.p);
     if (s.depth == 0) {
-      const auto seen = scene_.sensor().eval(vertex.p(), d, path(i).film);
+      const auto seen = scene_.sensor().eval(vertex.p(), d, path(i).film, path(i).wavelengths.time);
       spread = seen ? safe_inverse(seen->pdf_across) : 0.f;
     }
     s.arrived = s.density;

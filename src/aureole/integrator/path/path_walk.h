@@ -205,6 +205,7 @@ private:
                       p.wavelengths, key(p.samples, s.vertex, Stream::equiangular_connection),
                       segments_->of_path[i])) {
       segments_->of_path[i].crossings_left = this->crossings_left(i, -1);
+      segments_->of_path[i].ray.time = p.wavelengths.time;
       segments_->rays.add(i, segments_->of_path[i].ray);
     }
     return positions;

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole expose: the raw picture that the sensor of a digital camera reads.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+
+#include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
+#include "aureole/instrument/detector/camera_exposure.h"
+#include "aureole/loading/load.h"
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "command.h"
+#include "messages.h"
+#include "picture_file.h"
+
+namespace aureole {
+namespace {
+
+std::atomic<bool> stop_requested_of_expose{false};
+extern "C" void stop_expose(int) { stop_requested_of_expose = true; }
+
+struct ExposeArguments {
+  std::string target, camera, mosaic, aperture, efficiency, electrons;
+  std::vector<std::string> outputs, defines;
+  std::int64_t spp = -1, seed = -1, frame = 1, sensor = 1;
+  int threads = 0, frames = 1;
+  std::vector<double> exposure, f_number, pitch, transmission, full_well, read_noise, dark_current, dsnu,
+      prnu, gain, black, bits;
+  bool quiet = false;
+};
+
+void replace(double& value, const std::vector<double>& given) {
+  if (!given.empty()) value = given[0];
+}
+
+CameraModel camera_of(const ExposeArguments& a) {
+  CameraModel c = a.camera.empty() ? CameraModel() : read_camera(a.camera);
+  optics::DetectorModel& d = c.detector;
+  replace(c.f_number, a.f_number), replace(c.pixel_pitch_um, a.pitch),
+      replace(c.transmission, a.transmission);
+  replace(d.full_well, a.full_well), replace(d.read_noise, a.read_noise),
+      replace(d.dark_current, a.dark_current);
+  replace(d.dark_nonuniformity, a.dsnu), replace(d.photo_nonuniformity, a.prnu), replace(d.gain, a.gain);
+  replace(d.black_level, a.black);
+  if (!a.bits.empty()) {
+    if (a.bits[0] != std::floor(a.bits[0]))
+      throw Error(fmt::format("--bits {:g}: must be a whole number", a.bits[0]));
+    d.bits = int(a.bits[0]);
+  }
+  if (!a.aperture.empty())
+    c.aperture = a.aperture == "sine" ? optics::ApertureLaw::sine : optics::ApertureLaw::thin;
+  if (!a.mosaic.empty()) c.mosaic = optics::ColorMosaic::named(a.mosaic);
+  if (!a.efficiency.empty()) {
+    char* end = nullptr;
+    const double value = std::strtod(a.efficiency.c_str(), &end);
+    c.efficiency = *end == 0 ? std::vector{EfficiencyCurve::constant(value)} : read_efficiency(a.efficiency);
+  }
+  check_camera(c);
+  return c;
+}
+
+/// A picture with the exposure of the scene, if that is known.
+struct ExposedPicture {
+  SpectralPicture picture;
+  double exposure = 0;
+};
+
+ExposedPicture picture_of_scene(const ExposeArguments& a) {
+  LoadOptions load;
+  load.defines = split_defines(a.defines);
+  const LoadedScene loaded = load_scene(a.target, load);
+  if (!a.quiet)
+    for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  const Film& film = loaded.scene->film();
+  const std::vector<std::string> names = film.channel_names();
+  const std::string meanings = channels_attribute(names, film.channel_meanings());
+  // The channels of the film are asked for before the picture is rendered.
+  spectral_picture({.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())},
+                   meanings, a.target);
+  RenderOptions options;
+  if (a.spp > 0) options.end = a.spp;
+  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
+  options.threads = a.threads;
+  RenderJob job(loaded, options);
+  std::signal(SIGINT, stop_expose);
+  if (job.run(stop_requested_of_expose) == RenderJob::Outcome::interrupted)
+    throw Error("interrupted: nothing is written");
+  if (job.state().invalid_samples > 0)
+    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
+  return {spectral_picture(job.state().picture(), meanings, a.target),
+          loaded.scene->sensor().sensor->exposure().duration()};
+}
+
+ExposedPicture picture_of_file(const ExposeArguments& a) {
+  for (const auto& [option, given] : {std::pair("--spp", a.spp != -1), std::pair("--seed", a.seed != -1)})
+    if (given) throw Error(std::string(option) + ": is for a scene, which is rendered; a picture is done");
+  ExrAttributes attributes;
+  const Image picture = read_picture(a.target, &attributes);
+  const auto found = attributes.strings.find(kChannelsAttribute);
+  return {spectral_picture(picture, found == attributes.strings.end() ? "" : found->second, a.target), 0};
+}
+
+/// The name of a frame's file: "picture.dng" for one frame, "picture_0003.dng" for several.
+std::filesystem::path frame_name(const std::filesystem::path& file, std::int64_t frame, int frames) {
+  if (frames == 1) return file;
+  std::filesystem::path name = file;
+  name.replace_filename(fmt::format("{}_{:04}{}", file.stem().string(), frame, file.extension().string()));
+  return name;
+}
+
+int expose(const ExposeArguments& a) {
+  if (a.spp == 0 || a.spp < -1)
+    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
+  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  if (a.frame < 0 || a.sensor < 0) throw Error("--frame and --sensor: must not be negative");
+  if (a.frames < 1) throw Error(fmt::format("--frames {}: at least one is needed", a.frames));
+  const bool is_scene = std::filesystem::path(a.target).extension() == ".xml";
+  std::vector<std::filesystem::path> files(a.outputs.begin(), a.outputs.end());
+  if (files.empty()) files.emplace_back(std::filesystem::path(a.target).stem().string() + ".dng");
+  for (const std::filesystem::path& file : files) {
+    if (file.extension() != ".dng" && file.extension() != ".tif" && file.extension() != ".tiff")
+      throw Error("-o " + file.string() + ": the output is a .dng, .tif or .tiff file");
+    for (int i = 0; i < a.frames; ++i) require_writable(frame_name(file, a.frame + i, a.frames));
+  }
+  CameraModel camera;
+  try {
+    camera = camera_of(a);
+  } catch (const std::domain_error& e) {
+    throw Error(std::string("--mosaic: ") + e.what());
+  }
+  std::optional<ColorCalibration> colors;
+  if (!camera.mosaic.is_mono()) colors = calibrate_colors(camera.efficiency);
+
+  const ExposedPicture found = is_scene ? picture_of_scene(a) : picture_of_file(a);
+  const SpectralPicture& picture = found.picture;
+  const double exposure = a.exposure.empty() ? found.exposure : a.exposure[0];
+  if (!(exposure > 0))
+    throw Error(a.exposure.empty() ? "--exposure: is needed, in seconds: the target states no shutter times"
+                                   : fmt::format("--exposure {:g}: must be positive, in seconds", exposure));
+  if (picture.is_irradiance)
+    for (const auto& [option, given] :
+         {std::pair("--f-number", !a.f_number.empty()), std::pair("--aperture", !a.aperture.empty())})
+      if (given) tell("note: {} has no effect: the picture is the irradiance on the film\n", option);
+  const std::vector<double> electrons = mean_electrons(picture, camera, exposure);
+  if (!a.electrons.empty()) {
+    Image means{picture.width, picture.height, {"Y"}, {electrons.begin(), electrons.end()}, false};
+    ExrAttributes attributes;
+    attributes.strings[kChannelsAttribute] =
+        channels_attribute({"Y"}, {"mean number of electrons that light frees"});
+    write_exr(a.electrons, means, ExrPixel::float32, attributes);
+  }
+  double sum = 0, signal = 0;
+  std::size_t saturated = 0;
+  for (int i = 0; i < a.frames; ++i) {
+    const std::int64_t frame = a.frame + i;
+    RawImage raw = read_sensor(electrons, picture.width, picture.height, camera, exposure,
+                               {std::uint64_t(a.sensor), std::uint64_t(frame)});
+    if (colors) raw.color_matrix = colors->from_xyz, raw.neutral = colors->white;
+    for (const std::uint16_t v : raw.values) signal += v, saturated += v >= raw.white_level;
+    for (const std::filesystem::path& file : files) {
+      const std::filesystem::path name = frame_name(file, frame, a.frames);
+      file.extension() == ".dng" ? write_dng(name, raw) : write_raw_tiff(name, raw);
+      if (!a.quiet) fmt::print("{}\n", name.string());
+    }
+  }
+  for (const double e : electrons) sum += e;
+  const double count = double(electrons.size()), mean = sum / count;
+  const optics::DetectorModel& d = camera.detector;
+  fmt::print("exposure {:g} s: {:.5g} electrons in the mean, {:.5g} at most; a pixel is full at {:.5g}\n",
+             exposure, mean, *std::max_element(electrons.begin(), electrons.end()), d.saturation());
+  fmt::print("digital numbers: {:.5g} in the mean, {:.3g} % of the pixels are saturated\n",
+             signal / (count * a.frames), 100 * double(saturated) / (count * a.frames));
+  const double dark = d.dark_current * exposure;
+  fmt::print("signal to noise at the mean: {:.4g}; noise in the dark: {:.4g} electrons\n",
+             mean * d.gain / std::sqrt(d.temporal_variance(mean + dark)),
+             std::sqrt(d.temporal_variance(dark)) / d.gain);
+  if (colors)
+    fmt::print("matrix of colours on 24 patches under D65: CIEDE2000 {:.2f} in the mean, {:.2f} at most\n",
+               colors->mean_delta_e, colors->largest_delta_e);
+  return 0;
+}
+
+std::function<int()> declare_expose(CommandOptions& options) {
+  auto a = std::make_shared<ExposeArguments>();
+  options
+      .add(
+          "target", a->target,
+          "scene (.xml), which is rendered, or a picture (.exr), with a \"specfilm\" of spectral bins: the radiance, or the "
+          "irradiance on the film of a \"lens\"")
+      .required();
+  options
+      .add("-o,--output", a->outputs,
+           "raw picture, .dng or 16-bit .tif; may be repeated (default: the target's name with .dng)")
+      .takes_each_time(1);
+  options.add("--camera", a->camera,
+              "camera (.json): keys such as those options, with \"efficiency\" the name of a table");
+  options
+      .add("--exposure", a->exposure,
+           "exposure in seconds (default: from shutter_open to shutter_close of the scene)")
+      .takes(1);
+  options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
+  options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
+  options.add("--threads", a->threads, "threads (default: all cores)");
+  options.add("--f-number", a->f_number, "f-number, for pictures of the radiance (default: 2.8)").takes(1);
+  options
+      .add(
+          "--aperture", a->aperture,
+          "what the f-number means: sine, pi/(4 N^2) sr (the default); thin, pi sin^2(atan(1/(2 N))) sr of a thin lens")
+      .one_of({"sine", "thin"});
+  options.add("--pixel-pitch", a->pitch, "distance of neighbouring pixels in um (default: 4)").takes(1);
+  options.add("--transmission", a->transmission, "of lens and filters (default: 1)").takes(1);
+  options.add(
+      "--efficiency", a->efficiency,
+      "quantum efficiency: a number (default: 0.5), or a table of wavelengths in nm and one column, or three of red, "
+      "green and blue");
+  options.add("--mosaic", a->mosaic, "filters: mono (the default), rggb, bggr, grbg, gbrg or xtrans");
+  options.add("--full-well", a->full_well, "electrons that a pixel holds (default: 20000)").takes(1);
+  options.add("--read-noise", a->read_noise, "standard deviation of reading in electrons (default: 3)")
+      .takes(1);
+  options.add("--dark-current", a->dark_current, "electrons per second without light (default: 0)").takes(1);
+  options.add("--dsnu", a->dsnu, "standard deviation of the pixels' offsets in electrons (default: 0)")
+      .takes(1);
+  options.add("--prnu", a->prnu, "standard deviation of the pixels' responses over their mean (default: 0)")
+      .takes(1);
+  options.add("--gain", a->gain, "digital numbers per electron (default: 0.2)").takes(1);
+  options.add("--black", a->black, "digital number of the dark (default: 64)").takes(1);
+  options.add("--bits", a->bits, "bits of the converter (default: 12)").takes(1);
+  options.add("--sensor", a->sensor, "number of the sensor, which has its own fixed pattern").shows_default();
+  options.add("--frame", a->frame, "number of the frame, which has its own noise").shows_default();
+  options.add("--frames", a->frames, "how many frames are written, with their numbers in their names")
+      .shows_default();
+  options.add("--electrons", a->electrons, "also write the mean numbers of electrons (.exr)").names_output();
+  options.add("-q,--quiet", a->quiet, "print results and errors only");
+  return [a] { return expose(*a); };
+}
+
+AUREOLE_COMMAND("expose", "The raw picture of a digital camera: electrons, noise, mosaic; DNG and TIFF",
+                declare_expose);
+
+}  // namespace
+}  // namespace aureole
