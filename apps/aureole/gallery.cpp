@@ -100,7 +100,8 @@ public:
         throw Error(fmt::format("--only {}: there is no such figure{}; figures: {}", id,
                                 did_you_mean(id, ids), fmt::join(ids, ", ")));
     for (const GalleryFigure& f : gallery_.figures)
-      if (const bool named = std::find(a.only.begin(), a.only.end(), f.id) != a.only.end(); named || a.only.empty()) {
+      if (const bool named = std::find(a.only.begin(), a.only.end(), f.id) != a.only.end();
+          named || a.only.empty()) {
         if (f.missing.empty())
           chosen_.push_back(&f);
         else if (named)

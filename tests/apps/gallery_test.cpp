@@ -114,7 +114,8 @@ std::vector<std::string> load_figures(const char* name) {
   std::vector<std::string> ids;
   for (const Json& figure : gallery.at("figures")) {
     ids.push_back(figure.at("id"));
-    if (figure.contains("needs") && !fs::exists(folder / figure["needs"].at("file").get<std::string>())) continue;
+    if (figure.contains("needs") && !fs::exists(folder / figure["needs"].at("file").get<std::string>()))
+      continue;
     for (const Json& table : figure.value("renders", Json::array()))
       for (const Defines& defines : variants(table))
         EXPECT_NO_THROW(load_small(folder / table.at("scene").get<std::string>(), defines)) << ids.back();

@@ -293,7 +293,8 @@ Gallery read_gallery(const std::filesystem::path& folder) {
     if (m.has("needs")) {
       Members needs = m.member("needs");
       const std::string needed = needs.text("file"), how = needs.text("how");
-      if (!std::filesystem::exists(folder / needed)) f.missing = (folder / needed).string() + " is missing: " + how;
+      if (!std::filesystem::exists(folder / needed))
+        f.missing = (folder / needed).string() + " is missing: " + how;
       needs.finish();
     }
     auto tables = m.list_if("renders");

@@ -58,7 +58,8 @@ struct GalleryPlot {
 
 struct GalleryFigure {
   std::string id, title, counterpart, caption, agreement;
-  std::string missing;  ///< where not empty, a file that the repository does not have: its name, and how to get it
+  std::string
+      missing;  ///< where not empty, a file that the repository does not have: its name, and how to get it
   std::vector<PictureTable> tables;
   std::vector<GalleryPlot> plots;
 };
