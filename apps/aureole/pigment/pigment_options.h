@@ -26,12 +26,15 @@ struct SurfaceOptions {
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
+  /// The palette with the given interface. A palette by streams keeps its theory where this interface is smooth with an
+  /// index; under another one its K and S are used by two fluxes, with a note.
+  void set(pigment::Palette& palette, const std::string& file) const;
   /// Takes the geometry and the specular component that a file of measurements states, unless options give them; notes
   /// what is taken.
   /// `is_taken_off` says whether reflectances are used without the interface; otherwise only K/S is.
   void take(const pigment::Instrument& instrument, const std::string& file, bool is_taken_off = true);
-  /// Notes options that have no effect beside the others.
-  void note_unused() const;
+  /// Notes options that have no effect beside the others. A theory by streams has the index beside k1 and k2.
+  void note_unused(bool fits_streams = false) const;
   /// A geometry that a file states, in words: "d8, specular included".
   static std::string stated(const pigment::Instrument& instrument);
   /// "included" or "excluded", with the default.
@@ -70,9 +73,8 @@ struct LayerOfPaint {
 };
 
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
-/// if one is given. Notes K and S by streams, unless the caller predicts by them. What options of the interface have no effect is for the caller to note.
-pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface,
-                                bool predicts_by_streams = false);
+/// if one is given (`SurfaceOptions::set`). What options of the interface have no effect is for the caller to note.
+pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
 
 /// Notes where two fluxes are expected to be off by a visible colour difference for a layer (`two_flux_doubt`). `whose`
 /// names the layer: "this layer". `index` is that of the binder, where the palette has an interface.

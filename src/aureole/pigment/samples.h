@@ -30,6 +30,8 @@ struct Sample {
   std::vector<int> columns = {};  ///< column numbers of the values in that line
   std::vector<int> lines = {};    ///< line numbers of the values, if they differ: wavelengths down
   std::string file = {};          ///< the file, in a table that several files were joined to
+  bool is_named_recipe =
+      false;  ///< whether the name alone stands for the recipe: it may be that of a bare card
 };
 
 /// How an instrument measured, as far as a file states it; empty: not stated.
