@@ -13,7 +13,7 @@ import math
 import os
 import tempfile
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -419,7 +419,8 @@ def compare(nm: npt.ArrayLike, standard: npt.ArrayLike, sample: npt.ArrayLike, *
                       dict(zip(names, indices)), reason)
 
 
-class Streams(NamedTuple):
+@dataclass(frozen=True)
+class Streams:
     """The theory by streams to which K = 2 sigma_a and S = 3/4 sigma_s (1 - g) of a palette belong.
 
     The interface of a binder of `index` is seen by an instrument of `geometry` with its gloss `specular`; `g` is the mean
@@ -435,7 +436,7 @@ class Streams(NamedTuple):
 @functools.lru_cache(maxsize=8)
 def _theory(streams: Streams, varies_g: bool) -> Any:
     """The tabulated theory, some 0.5 s; with mean cosines that vary several times as much."""
-    return _aureole.pigment_streams_theory(*streams, varies_g)
+    return _aureole.pigment_streams_theory(*astuple(streams), varies_g)
 
 
 @dataclass(frozen=True)
@@ -686,7 +687,7 @@ class Palette:
 
     def _parts(self) -> Any:
         return (self.nm.tolist(), list(self.names), self.k.tolist(), self.s.tolist(), [], [], self.relative, tuple(self.surface),
-                self.density.tolist(), None if self.streams is None else tuple(self.streams), self.g.tolist())
+                self.density.tolist(), None if self.streams is None else astuple(self.streams), self.g.tolist())
 
     def fractions(self, recipe: Union[str, Mapping[str, float]]) -> Reals:
         """Mass fractions, one for each paint, of "red: 1 + white: 3" or {"red": 1, "white": 3}."""
