@@ -154,7 +154,7 @@ public:
                  : 0;
     for (int table = first_g_; table <= last_g_; ++table)
       for (int i = 0; i < kRatios; ++i)
-        opaque_.push_back(opaque({kFirstRatio + kStep * i, 0, kStepG * table}).value);
+        opaque_.push_back(at_the_end(kFirstRatio + kStep * i, kStepG * table));
   }
 
   std::string name() const override { return "streams"; }
@@ -180,10 +180,28 @@ public:
   }
 
   FilmValue opaque(const FilmLayer& layer) const override {
-    const double shift = std::min(kLastS - layer.ln_s, kLastK - layer.ln_k);
-    FilmValue r = over({layer.ln_k + shift, layer.ln_s + shift, layer.g_shift}, 0);
-    // The reflectance depends on K/S alone; the table's remaining dependence on thickness is removed.
-    r.by_ln_k = 0.5 * (r.by_ln_k - r.by_ln_s), r.by_ln_s = -r.by_ln_k, r.by_substrate = 0;
+    const double ratio = layer.ln_k - layer.ln_s,
+                 x = (std::clamp(ratio, kFirstRatio, kLastRatio) - kFirstRatio) / kStep;
+    const int i = std::clamp(int(x), 0, kRatios - 2);
+    double wx[4], dx[4];
+    weights(x - i, wx, dx);
+    FilmValue r;
+    const auto add = [&](int table, double weight, double slope) {
+      const double* of_table = opaque_.data() + std::ptrdiff_t(table - first_g_) * kRatios;
+      for (int n = 0; n < 4; ++n) {
+        const double value = of_table[std::clamp(i + n - 1, 0, kRatios - 1)];
+        r.value += weight * wx[n] * value, r.by_ln_k += weight * dx[n] * value / kStep;
+        r.by_g_shift += slope * wx[n] * value;
+      }
+    };
+    if (first_g_ == last_g_) {
+      add(0, 1, 0);
+    } else {
+      const TablesOfG tables = tables_of(layer.g_shift);
+      for (int n = 0; n < 4; ++n)
+        add(tables.index[n], tables.weight[n], tables.is_within ? tables.slope[n] / kStepG : 0);
+    }
+    r.by_ln_s = -r.by_ln_k;  // the reflectance depends on K/S alone
     return r;
   }
 
@@ -311,6 +329,12 @@ private:
         }
       }
     return r;
+  }
+
+  /// Reflectance of a layer with this ln(K/S) at the end of the tables, where it is opaque.
+  double at_the_end(double ratio, double g_shift) const {
+    const double ln_s = std::min(kLastS, kLastK - ratio);
+    return over({ln_s + ratio, ln_s, g_shift}, 0).value;
   }
 
   /// The values of `at` alone.

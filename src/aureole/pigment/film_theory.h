@@ -79,7 +79,7 @@ public:
   virtual FilmValue opaque(const FilmLayer& layer) const = 0;
   /// The light of a film over any card, without derivatives: for searches that evaluate millions of layers.
   virtual FilmLight light(const FilmLayer& layer) const = 0;
-  /// The value of `opaque` within 1e-4, without derivatives.
+  /// The value of `opaque`, without derivatives.
   virtual double opaque_value(const FilmLayer& layer) const { return opaque(layer).value; }
   /// Reflectance or transmittance of a free film with an interface on each side. Throws std::domain_error if the
   /// theory does not include free films.

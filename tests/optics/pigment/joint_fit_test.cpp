@@ -466,7 +466,7 @@ TEST(JointFit, APaletteByStreamsPredictsAsTheFit) {
                                 deep = fit.predict(s).values;
       for (std::size_t l = 0; l < lab.nm.size(); ++l) {
         EXPECT_NEAR(film[l], expected[l], 1e-9) << s.name << spread;
-        EXPECT_NEAR(opaque[l], deep[l], 2e-3) << s.name << spread;  // by a table of K/S alone
+        EXPECT_NEAR(opaque[l], deep[l], 1e-9) << s.name << spread;
         off = std::max(off, std::abs(by_fluxes[l] - expected[l]));
       }
     }
@@ -489,7 +489,7 @@ TEST(FilmTheory, LightOfAFilm) {
           for (const double card : {0.0, 0.3, 1.0})
             EXPECT_NEAR(theory->light(film).over(card), theory->over(film, card).value, 1e-12)
                 << theory->name() << k << " " << s;
-          EXPECT_NEAR(theory->opaque_value(film), theory->opaque(film).value, 1e-4) << theory->name();
+          EXPECT_NEAR(theory->opaque_value(film), theory->opaque(film).value, 1e-12) << theory->name();
         }
         const InnerFilm inner = inner_film(two->light(film), surface);
         const LayerTransfer expected = layer({k, s}, 1);
@@ -497,6 +497,21 @@ TEST(FilmTheory, LightOfAFilm) {
         EXPECT_NEAR(inner.back, expected.reflectance, 1e-12);
         EXPECT_NEAR(inner.transmittance2, expected.transmittance * expected.transmittance, 1e-12);
       }
+}
+
+/// Layers whose K/S is at the corner of the tables, where both K and S are largest, are as opaque as all others.
+TEST(FilmTheory, OpaqueLayersOfStreams) {
+  const auto theory = streams_theory({.g = 0.7});
+  constexpr double kStep = 1e-4;
+  for (double ratio = -4; ratio < 3; ratio += 0.03) {
+    const double ln_s = std::min(6.9, 4.9 - ratio);  // a film that nothing shows through
+    EXPECT_NEAR(theory->opaque({ratio, 0}).value, theory->over({ln_s + ratio, ln_s}, 0).value, 1e-4) << ratio;
+    EXPECT_NEAR(
+        theory->opaque({ratio, 0}).by_ln_k,
+        (theory->opaque({ratio + kStep, 0}).value - theory->opaque({ratio - kStep, 0}).value) / (2 * kStep),
+        1e-4)
+        << ratio;
+  }
 }
 
 /// Recipes of a palette by streams are those that streams predict: opaque and as films, with mean cosines of the paints.
