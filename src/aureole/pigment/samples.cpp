@@ -493,20 +493,19 @@ std::string right_cell(const Columns& columns, const TextRow& row, std::size_t c
 TextError with_right_line(const TextError& error, const TextRow& row, const TextRow& header,
                           const Columns& columns, char separator) {
   const std::string said = error.what();
+  if (said.find("would be") != said.npos) return error;  // it says itself what would be right
   for (std::size_t i = 0; i < row.cells.size() && i < header.cells.size(); ++i) {
     const TextCell& cell = row.cells[i];
     if (cell.column != error.column() || (cell.line ? cell.line : row.line) != error.line()) continue;
     const bool is_down = cell.line > 0;
     std::string message =
         said + (is_down ? " in the row \"" : " in the column \"") + header.cells[i].text + "\"";
-    if (said.find("would be") == said.npos) {
-      std::vector<std::string> cells;
-      for (const TextCell& one : row.cells) cells.push_back(one.text);
-      cells[i] = right_cell(columns, row, i);
-      const std::string line = is_down ? std::string() : line_of(cells, separator);
-      message += is_down || line.size() > kLongestShown ? "; right would be " + cells[i]
-                                                        : "; a line that would be right:\n    " + line;
-    }
+    std::vector<std::string> cells;
+    for (const TextCell& one : row.cells) cells.push_back(one.text);
+    cells[i] = right_cell(columns, row, i);
+    const std::string line = is_down ? std::string() : line_of(cells, separator);
+    message += is_down || line.size() > kLongestShown ? "; right would be " + cells[i]
+                                                      : "; a line that would be right:\n    " + line;
     return {error.line(), error.column(), message};
   }
   return error;
