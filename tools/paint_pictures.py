@@ -106,7 +106,7 @@ def mixtures_picture(held, nm, recipes, file):
 
 def main():
     table, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-    fit = pigment.joint_fit(table, theory="streams", hold_out="each")
+    fit = pigment.joint_fit(table, theory="streams", geometry="d8", hold_out="each")
     films = pigment.joint_fit(table, theory="two-flux", surface=SURFACE).palette
     card_picture(films, folder / "oils.png")
     recipes = {}

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import functools
 import math
 import os
 import tempfile
 import warnings
-from dataclasses import dataclass, field
-from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
+from dataclasses import astuple, dataclass, field
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +24,8 @@ from ._arrays import complex_numbers, flag, real, scalar, text as checked_text
 from ._errors import Error
 from ._vectorised import broadcast, choice, last_axis, shaped
 
-__all__ = ["Colour", "Comparison", "Fluxes", "HeldOut", "JointFit", "Layer", "Match", "Paint", "Palette", "Specimen", "Surface", "TwoFluxError",
+__all__ = ["Colour", "Comparison", "Fluxes", "HeldOut", "JointFit", "Layer", "Match", "Paint", "Palette", "Residuals", "Specimen", "Streams", "Surface",
+           "TheoryFit", "TwoFluxError",
            "ciede2000", "coefficients", "coefficients_of_transport", "colour", "compare", "difference", "fit", "fluxes_within", "grain_index",
            "grain_names", "joint_fit", "k_over_s", "lab", "layer", "opaque_reflectance", "paint_of_grains", "saunderson", "surface",
            "two_flux_error"]
@@ -420,16 +422,50 @@ def compare(nm: npt.ArrayLike, standard: npt.ArrayLike, sample: npt.ArrayLike, *
 
 
 @dataclass(frozen=True)
+class Streams:
+    """The theory by streams to which K = 2 sigma_a and S = 3/4 sigma_s (1 - g) of a palette belong.
+
+    The interface of a binder of `index` is seen by an instrument of `geometry` with its gloss `specular`; `g` is the mean
+    cosine of scattering in paints that have none of their own.
+    """
+
+    index: float
+    g: float
+    geometry: str
+    specular: str
+
+
+@functools.lru_cache(maxsize=8)
+def _theory(streams: Streams, varies_g: bool) -> Any:
+    """The tabulated theory, some 0.5 s; with mean cosines that vary several times as much."""
+    return _aureole.pigment_streams_theory(*astuple(streams), varies_g)
+
+
+@dataclass(frozen=True)
 class Paint:
-    """A mixture of a palette's paints: K and S over its wavelengths."""
+    """A mixture of a palette's paints: K and S over its wavelengths.
+
+    Its reflectances are those of two fluxes under `surface`, or, where `streams` are given, of streams, in which layers have
+    the mean cosine g with ln((1 - g)/(1 - streams.g)) = `g_shift` at each wavelength (empty: 0).
+    """
 
     nm: Reals
     k: Reals
     s: Reals
     surface: Surface
+    streams: Optional[Streams] = None
+    g_shift: Reals = field(default_factory=lambda: np.array([]))
 
     def reflectance(self, thickness: float = math.inf, substrate: npt.ArrayLike = 0.0) -> Reals:
         """Outer reflectance: opaque, or of a thickness (in the inverse unit of K and S) over a substrate of that inner reflectance."""
+        if self.streams is not None:
+            depth = thickness if math.isinf(thickness) else scalar("thickness", thickness, positive=True)
+            below = np.ascontiguousarray(np.broadcast_to(real("substrate", substrate, minimum=0, maximum=1), self.nm.shape))
+            seen = np.empty(self.nm.size)
+            shift = np.ascontiguousarray(self.g_shift) if self.g_shift.size else np.zeros(self.nm.size)
+            _aureole.pigment_streams_reflectance(_theory(self.streams, self.g_shift.size > 0), np.ascontiguousarray(self.k),
+                                                 np.ascontiguousarray(self.s), shift, float(depth), below, seen)
+            return seen
         if math.isinf(thickness):
             ratio = np.divide(self.k, self.s, out=np.zeros_like(self.k), where=self.s > 0)
             inner = np.where(self.s > 0, opaque_reflectance(ratio), 0.0)
@@ -620,6 +656,10 @@ class Palette:
         Interface through which the paints were measured.
     density : numpy.ndarray
         Mass per volume of each paint, relative; empty where K and S add up by mass rather than by volume.
+    streams : Streams or None
+        The theory of K and S that were fitted by streams, by which mixtures and recipes are then predicted.
+    g : numpy.ndarray
+        Mean cosine of scattering in each paint where streams were fitted with one for each; else empty.
     """
 
     nm: Reals
@@ -631,27 +671,27 @@ class Palette:
     relative: bool
     surface: Surface
     density: Reals = field(default_factory=lambda: np.array([]))
+    streams: Optional[Streams] = None
+    g: Reals = field(default_factory=lambda: np.array([]))
 
     @staticmethod
     def _of(parts: Any) -> "Palette":
-        nm, names, k, s, k_error, s_error, relative, interface, density = parts
+        nm, names, k, s, k_error, s_error, relative, interface, density, streams, g = parts
 
         def errors(rows: List[List[float]]) -> Reals:
             return np.array([row or [math.nan] * len(nm) for row in rows])
 
         return Palette(np.array(nm), tuple(names), np.array(k), np.array(s), errors(k_error), errors(s_error), relative,
-                       Surface(*interface), np.array(density))
+                       Surface(*interface), np.array(density), None if streams is None else Streams(*streams), np.array(g))
 
     @staticmethod
     def load(file: Union[str, "os.PathLike[str]"]) -> "Palette":
         """A palette as `aureole pigment fit` writes it; "kimera": 13 measured acrylics, by miciwan, CC BY 4.0."""
-        parts, note = _aureole.pigment_palette(os.fspath(file))
-        _note(file, [note] if note else [])
-        return Palette._of(parts)
+        return Palette._of(_aureole.pigment_palette(os.fspath(file)))
 
     def _parts(self) -> Any:
         return (self.nm.tolist(), list(self.names), self.k.tolist(), self.s.tolist(), [], [], self.relative, tuple(self.surface),
-                self.density.tolist())
+                self.density.tolist(), None if self.streams is None else astuple(self.streams), self.g.tolist())
 
     def fractions(self, recipe: Union[str, Mapping[str, float]]) -> Reals:
         """Mass fractions, one for each paint, of "red: 1 + white: 3" or {"red": 1, "white": 3}."""
@@ -665,7 +705,13 @@ class Palette:
         if self.density.size:
             fractions = fractions / self.density
             fractions /= fractions.sum()
-        return Paint(self.nm, fractions @ np.maximum(self.k, 0), fractions @ np.maximum(self.s, 0), self.surface)
+        k, s = fractions @ np.maximum(self.k, 0), fractions @ np.maximum(self.s, 0)
+        if self.streams is None or not self.g.size:
+            return Paint(self.nm, k, s, self.surface, self.streams)
+        # sigma_s, proportional to S/(1 - g), add up like S.
+        scattering = (fractions * (1 - self.streams.g) / (1 - self.g)) @ np.maximum(self.s, 0)
+        ratio = np.divide(s, scattering, out=np.ones_like(s), where=(s > 0) & (scattering > 0))
+        return Paint(self.nm, k, s, self.surface, self.streams, np.log(ratio))
 
     def match(self, target: npt.ArrayLike, *, paints: int = 3, solutions: int = 5, illuminant: str = "D65",
               others: Sequence[str] = ("A", "F11"), least: Mapping[str, float] = {}, most: Mapping[str, float] = {},
@@ -733,7 +779,8 @@ class Palette:
                                        paints, solutions, illuminant, list(others), bounds[0], bounds[1], by, costs, pairs,
                                        scalar("smallest", smallest, minimum=0), depth, below.tolist(),
                                        scalar("opacity", opacity, minimum=0), flag("trade_offs", trade_offs),
-                                       scalar("within", within, positive=True))
+                                       scalar("within", within, positive=True),
+                                       None if self.streams is None else _theory(self.streams, self.g.size > 0))
         return [Match({n: f for n, f in zip(self.names, fractions) if f > 0}, difference, dict(zip(others, differences)), rms,
                       np.array(reflectance), cost, contrast, {n: d for n, f, d in zip(self.names, fractions, dosing) if f > 0}, total)
                 for fractions, difference, differences, rms, reflectance, cost, contrast, dosing, total in found]
@@ -838,6 +885,55 @@ class HeldOut:
     difference: float
 
 
+class TheoryFit(NamedTuple):
+    """The fit of a table by one theory.
+
+    Attributes
+    ----------
+    name : str
+        "two fluxes" or "streams".
+    cost : float
+        The weighted sum of squares.
+    median_rms, largest_rms : float
+        Of the specimens' fitted minus measured reflectances.
+    difference, coverage : float
+        Mean CIEDE2000 (D65) of specimens that were kept back, and the fraction of their reflectances within the 90 % intervals
+        of their predictions; NaN without such specimens.
+    is_kept : bool
+        Whether the palette is this theory's.
+    """
+
+    name: str
+    cost: float
+    median_rms: float
+    largest_rms: float
+    difference: float
+    coverage: float
+    is_kept: bool
+
+
+class Residuals(NamedTuple):
+    """How residuals compare with the stated noise, by which errors of K and S are stated.
+
+    Attributes
+    ----------
+    relative : float
+        Their rms over the degrees of freedom, in units of the stated noise; 0 where there are too few of them.
+    degrees_of_freedom, values : float
+        Measured values less what the unknowns take up, and their number.
+    k_error, s_error, ratio_error : numpy.ndarray
+        Standard errors of ln K, ln S and ln(K/S) (paints, wavelengths) by the residuals: right where the theory is exact, while
+        those of the palette have the error of the theory in them. Empty where there are too few degrees of freedom.
+    """
+
+    relative: float
+    degrees_of_freedom: float
+    values: float
+    k_error: Reals
+    s_error: Reals
+    ratio_error: Reals
+
+
 class JointFit(NamedTuple):
     """A fit of all measurements of a table.
 
@@ -850,6 +946,9 @@ class JointFit(NamedTuple):
         Specimens of the fit, and those that were kept back and predicted.
     g, g_error : array
         Mean cosine of scattering in each paint and its standard error, in fits by streams with `g_error`; else empty.
+    theories : list
+        The theories that were fitted.
+    residuals : Residuals
     """
 
     palette: Palette
@@ -858,9 +957,11 @@ class JointFit(NamedTuple):
     held_out: List[HeldOut]
     g: Reals
     g_error: Reals
+    theories: List[TheoryFit]
+    residuals: Residuals
 
 
-def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, None] = None, index: float = 1.5,
+def joint_fit(file: Files, *, theory: str = "best", surface: Union[Surface, None] = None, index: float = 1.5,
               g: float = 0.8, g_error: float = 0, geometry: Union[str, None] = None, specular: Union[str, None] = None,
               noise: float = 0.01, relative_noise: float = 0.05, thickness_error: float = 0.15, amount_error: float = 0.1,
               hold_out: Union[str, int, Sequence[str], None] = None) -> JointFit:
@@ -871,12 +972,12 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     file : str or path, or a sequence of them
         As for `fit`; films over cards need no thickness.
     theory : str
-        "two-flux", or "streams" with the mean cosine `g`. Both assume a binder of `index`, measured by an instrument
-        of `geometry` ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"); two fluxes can
-        assume any `surface` instead. K and S of streams are 2 sigma_a and 3/4 sigma_s (1 - g); a warning says that
-        mixtures, matches and hiding power, which use two fluxes, are worse with them. Where neither `geometry` nor
-        `surface` is given, the geometry that the file states (CxF, CGATS) is taken, with a warning; without one, two
-        fluxes have no interface and streams assume d8, gloss excluded.
+        "two-flux", "streams" with the mean cosine `g`, or "best": both are fitted, and the result is that of the theory which
+        predicts specimens of `hold_out` better, without them that of two fluxes. Both in a binder of `index`, seen by an
+        instrument of `geometry` ("d8", "diffuse", "45_0") with its gloss `specular` ("included" or "excluded"); two fluxes also
+        through any `surface`, beside which streams are those of d8 and `index`. K and S of streams are 2 sigma_a and
+        3/4 sigma_s (1 - g). Where neither `geometry` nor `surface` is given, the geometry that the file states (CxF, CGATS) is
+        taken, and without one no interface is taken off; a warning says so.
     g_error : float
         Relative error of 1 - g of each paint, which is then an unknown; with 0 `g` holds for all paints.
     noise, relative_noise : float
@@ -887,7 +988,7 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     hold_out : str, int or sequence of str, optional
         Specimens to keep back together; a number of groups that are kept back in turn; or "each": every mixture.
     """
-    choice("theory", theory, "two-flux", "streams")
+    choice("theory", theory, "best", "two-flux", "streams")
     if surface is not None and theory == "streams":
         raise Error('surface: is for the theory "two-flux"; "streams" takes index, geometry and specular')
     if surface is not None and not (geometry is None and specular is None):
@@ -902,8 +1003,8 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     files = _names(file)
     with contextlib.ExitStack() as stack:
         tables = [stack.enter_context(_table(name)) for name in files]
-        parts, ratios, cosines, specimens, held, notes = _aureole.pigment_joint_fit(
-            tables, None if surface is None else (surface.seen, surface.through, surface.k2), theory == "streams", scalar("index", index, minimum=1, maximum=4),
+        parts, ratios, cosines, specimens, held, notes, theories, residuals = _aureole.pigment_joint_fit(
+            tables, None if surface is None else (surface.seen, surface.through, surface.k2), theory, scalar("index", index, minimum=1, maximum=4),
             scalar("g", g, minimum=-0.95, maximum=0.95), scalar("g_error", g_error, minimum=0, maximum=3), geometry or "", specular or "",
             scalar("noise", noise, minimum=1e-5, maximum=0.2), scalar("relative_noise", relative_noise, minimum=0, maximum=1),
             scalar("thickness_error", thickness_error, minimum=0, maximum=3), scalar("amount_error", amount_error, minimum=0, maximum=3),
@@ -920,4 +1021,5 @@ def joint_fit(file: Files, *, theory: str = "streams", surface: Union[Surface, N
     return JointFit(palette, np.array(ratios),
                     [Specimen(one, rms, weight, thickness, spread, {paint: (factor, error) for paint, factor, error in amounts})
                      for one, rms, weight, thickness, spread, amounts in specimens], predictions,
-                    np.array([one for one, _ in cosines]), np.array([error for _, error in cosines]))
+                    np.array([one for one, _ in cosines]), np.array([error for _, error in cosines]),
+                    [TheoryFit(*one) for one in theories], Residuals(*residuals[:3], *(np.array(rows) for rows in residuals[3:])))

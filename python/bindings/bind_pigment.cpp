@@ -7,8 +7,11 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -16,6 +19,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/parallel.h"
+#include "aureole/instrument/paint/aperture_loss.h"
 #include "aureole/instrument/paint/colour_figures.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
@@ -28,6 +32,7 @@
 #include "aureole/pigment/hold_out.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
 #include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/streams_mixture.h"
 #include "aureole/pigment/two_flux_error.h"
 #include "bindings.h"
 #include "optics_bindings.h"
@@ -39,13 +44,24 @@ namespace {
 using Numbers = std::vector<double>;
 using Table = std::vector<Numbers>;  ///< a row for each paint
 using SurfaceNumbers = std::tuple<double, double, double>;
-/// Wavelengths, names, K, S, errors of K, of S, relative, surface, densities of a palette that mixes by volume.
-using PaletteParts =
-    std::tuple<Numbers, std::vector<std::string>, Table, Table, Table, Table, bool, SurfaceNumbers, Numbers>;
+/// Index, mean cosine, geometry and specular component of a palette's streams.
+using StreamsParts = std::tuple<double, double, std::string, std::string>;
+/// Wavelengths, names, K, S, errors of K, of S, relative, surface, densities of a palette that mixes by volume, streams,
+/// mean cosines of the paints where they have their own.
+using PaletteParts = std::tuple<Numbers, std::vector<std::string>, Table, Table, Table, Table, bool,
+                                SurfaceNumbers, Numbers, std::optional<StreamsParts>, Numbers>;
+/// The theory of a palette by streams, tabulated once.
+struct StreamsTheory {
+  std::shared_ptr<const pigment::FilmTheory> theory;
+};
 
 SurfaceNumbers numbers_of(const pigment::Surface& s) { return {s.seen, s.through, s.k2}; }
 pigment::Surface surface_of(const SurfaceNumbers& s) {
   return {std::get<0>(s), std::get<1>(s), std::get<2>(s)};
+}
+
+pigment::Specular specular_called(const std::string& name) {
+  return name == "included" ? pigment::Specular::included : pigment::Specular::excluded;
 }
 
 PaletteParts parts_of(const pigment::Palette& p) {
@@ -57,18 +73,60 @@ PaletteParts parts_of(const pigment::Palette& p) {
   Numbers densities;
   if (p.by_volume)
     for (const pigment::Pigment& one : p.pigments) densities.push_back(one.density);
-  return {p.nm, p.names(), k, s, k_error, s_error, p.relative, numbers_of(p.surface), densities};
+  std::optional<StreamsParts> streams;
+  if (const auto& by = p.streams)
+    streams.emplace(by->index, by->g, std::string(pigment::name_of(by->geometry)),
+                    std::string(pigment::name_of(by->specular)));
+  Numbers cosines;
+  if (streams && std::any_of(p.pigments.begin(), p.pigments.end(),
+                             [](const pigment::Pigment& one) { return one.g.has_value(); }))
+    for (const pigment::Pigment& one : p.pigments) cosines.push_back(one.g.value_or(p.streams->g));
+  return {p.nm,      p.names(), k,      s, k_error, s_error, p.relative, numbers_of(p.surface),
+          densities, streams,   cosines};
 }
 
 pigment::Palette palette_of(const PaletteParts& parts) {
-  const auto& [nm, names, k, s, k_error, s_error, relative, surface, densities] = parts;
+  const auto& [nm, names, k, s, k_error, s_error, relative, surface, densities, streams, cosines] = parts;
   pigment::Palette p;
   p.nm = nm, p.relative = relative, p.surface = surface_of(surface);
   for (std::size_t i = 0; i < names.size(); ++i)
     p.pigments.push_back(
         {.name = names[i], .k = k.at(i), .s = s.at(i), .density = densities.empty() ? 0 : densities.at(i)});
   p.by_volume = !densities.empty();
+  if (streams) {
+    const auto& [index, g, geometry, specular] = *streams;
+    p.streams = {.index = index,
+                 .g = g,
+                 .geometry = pigment::geometry_called(geometry),
+                 .specular = specular_called(specular)};
+    for (std::size_t i = 0; i < cosines.size(); ++i) p.pigments.at(i).g = cosines[i];
+  }
   return p;
+}
+
+StreamsTheory streams_theory(double index, double g, const std::string& geometry, const std::string& specular,
+                             bool varies_g) {
+  const Unlocked release;
+  return naming("streams", [&] {
+    return StreamsTheory{pigment::streams_theory({.index = index,
+                                                  .g = g,
+                                                  .geometry = pigment::geometry_called(geometry),
+                                                  .specular = specular_called(specular),
+                                                  .varies_g = varies_g},
+                                                 for_ranges)};
+  });
+}
+
+/// Outer reflectance of a layer by streams, over a substrate for each wavelength.
+void streams_reflectance(const StreamsTheory& by, const Reals& k, const Reals& s, const Reals& g_shift,
+                         double thickness, const Reals& substrate, const Array<double>& result) {
+  const std::size_t n = k.size();
+  require_size(s.size() == n && g_shift.size() == n && substrate.size() == n && result.size() == n,
+               "streams_reflectance");
+  for_each(n, [&](std::size_t i) {
+    result.data()[i] = pigment::light_of(*by.theory, {k.data()[i], s.data()[i]}, g_shift.data()[i], thickness)
+                           .over(substrate.data()[i]);
+  });
 }
 
 /// Rows of `result`: reflectance, transmittance.
@@ -242,15 +300,17 @@ SurfaceNumbers saunderson(double k1, double k2, const std::string& specular) {
 
 using Names = std::vector<std::string>;
 
-pigment::Specular specular_called(const std::string& name) {
-  return name == "included" ? pigment::Specular::included : pigment::Specular::excluded;
-}
-
 /// Notes that the interface of the geometry that a file states is taken off.
 std::string interface_note(const pigment::Instrument& by, double index, const std::string& remedy) {
   return "was measured at the geometry " + by.geometry +
          (by.specular.empty() ? "" : ", specular " + by.specular) + ": the interface of index " +
          pigment::number_text(index) + " is taken off; " + remedy;
+}
+
+/// Adds what the aperture that a table states means for its fit, in words.
+void add_aperture(const pigment::SampleTable& table, const pigment::Palette& palette, Names& notes) {
+  if (table.instrument.aperture.empty()) return;
+  notes.push_back(aperture_text(table, palette, observe("D65", palette.nm)));
 }
 
 /// The palette, and what reading the files assumed. Without a surface that of the geometry that they state, for an
@@ -267,7 +327,9 @@ std::tuple<PaletteParts, Names> fit(const Names& files, const std::string& white
     seen = pigment::smooth_surface(1.5, pigment::geometry_called(by.geometry), specular_called(by.specular));
     notes.push_back(interface_note(by, 1.5, "surface=Surface() takes none off"));
   }
-  return {parts_of(fit_file(files.front(), table, {.surface = seen, .white = white}).palette), notes};
+  const pigment::Palette palette = fit_file(files.front(), table, {.surface = seen, .white = white}).palette;
+  add_aperture(table, palette, notes);
+  return {parts_of(palette), notes};
 }
 
 /// Name, rms, weight, thickness and its error, and for each paint of a mixture: name, factor, error.
@@ -276,13 +338,39 @@ using SpecimenParts = std::tuple<std::string, double, double, double, double,
 /// Name, names of the samples, measured and predicted values and their errors by sample, reason of no prediction.
 using HeldOutParts = std::tuple<std::string, Names, Table, Table, Table, std::string>;
 
-/// The palette, errors of ln(K/S), mean cosines of the paints with their errors, specimens, specimens kept back, and
-/// notes on the data. `hold_out` has names of specimens, or "each", or a number of groups. Without a geometry that
-/// of the files is taken; an empty `geometry` or `specular` is none that was given.
+/// Name of a theory, sum of squares, medians and largest of the specimens' rms, mean CIEDE2000 of the specimens kept back (NaN
+/// without them), fraction of their values within 90 % intervals (as well), and whether the palette is this theory's.
+using TheoryParts = std::tuple<std::string, double, double, double, double, double, bool>;
+/// The rms of the residuals in units of the stated noise (0: too few degrees of freedom), degrees of freedom, values, and
+/// errors of ln K, ln S and ln(K/S) by the residuals (empty: too few degrees of freedom).
+using ResidualParts = std::tuple<double, double, double, Table, Table, Table>;
+
+/// One theory's fit, and what it predicts of specimens kept back.
+struct Fitted {
+  std::unique_ptr<pigment::FilmTheory> theory;
+  std::unique_ptr<pigment::JointFit> fit;
+  std::vector<pigment::HeldOut> held;
+  double difference = std::numeric_limits<double>::quiet_NaN();
+};
+
+TheoryParts parts_of(const pigment::SampleTable& table, const Fitted& f, bool is_written) {
+  Numbers rms;
+  for (const pigment::SpecimenReport& r : f.fit->specimens()) rms.push_back(r.rms);
+  std::sort(rms.begin(), rms.end());
+  const double median = 0.5 * (rms[(rms.size() - 1) / 2] + rms[rms.size() / 2]);
+  const double covered =
+      f.held.empty() ? std::numeric_limits<double>::quiet_NaN() : pigment::interval_coverage(table, f.held);
+  return {f.theory->name(), f.fit->cost(), median, rms.back(), f.difference, covered, is_written};
+}
+
+/// The palette, errors of ln(K/S), mean cosines of the paints with their errors, specimens, specimens kept back, notes
+/// on the data, the theories and the residuals. `hold_out` has names of specimens, or "each", or a number of groups. Without
+/// a geometry that of the files is taken; an empty `geometry` or `specular` is none that was given. `by` is "two-flux",
+/// "streams" or "best": that of both which predicts specimens kept back better, else two fluxes.
 std::tuple<PaletteParts, Table, std::vector<std::pair<double, double>>, std::vector<SpecimenParts>,
-           std::vector<HeldOutParts>, Names>
-joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, bool streams, double index,
-          double g, double g_error, std::string geometry, std::string specular, double noise,
+           std::vector<HeldOutParts>, Names, std::vector<TheoryParts>, ResidualParts>
+joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, const std::string& by_theory,
+          double index, double g, double g_error, std::string geometry, std::string specular, double noise,
           double relative_noise, double thickness, double amount, const Names& hold_out) {
   const Unlocked release;
   const pigment::SampleTable table = read_sample_files(files);
@@ -296,37 +384,59 @@ joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, bool
     if (takes_geometry) {
       geometry = by.geometry;
       if (specular.empty()) specular = by.specular;
-      notes.push_back(interface_note(
-          by, index, streams ? "geometry and specular say otherwise" : "surface=Surface() takes none off"));
+      notes.push_back(interface_note(by, index, "geometry and specular say otherwise"));
     } else if (states && ((!geometry.empty() && geometry != by.geometry) ||
                           (!specular.empty() && !by.specular.empty() && specular != by.specular))) {
       notes.push_back("states the geometry " + by.geometry +
                       (by.specular.empty() ? "" : ", specular " + by.specular) +
                       "; the arguments, which differ, are taken");
     }
+    const bool has_interface = surface || !geometry.empty();
+    if (!has_interface)
+      notes.push_back("no interface is taken off the reflectances; geometry or surface state one");
+    const double binder = has_interface ? index : 1;  // of streams
     const auto how = pigment::geometry_called(geometry.empty() ? "d8" : geometry);
     const auto light = specular_called(specular);
     const pigment::Surface interface = surface            ? surface_of(*surface)
                                        : geometry.empty() ? pigment::Surface()
                                                           : pigment::smooth_surface(index, how, light);
-    const std::unique_ptr<pigment::FilmTheory> theory =
-        streams ? pigment::streams_theory(
-                      {.index = index, .g = g, .geometry = how, .specular = light, .varies_g = g_error > 0},
-                      for_ranges)
-                : pigment::two_flux_theory(interface);
-    pigment::JointFit fit(table, *theory, settings);
+    std::vector<Fitted> fitted;
+    const auto add = [&](std::unique_ptr<pigment::FilmTheory> theory) {
+      Fitted& f = fitted.emplace_back();
+      f.theory = std::move(theory);
+      f.fit = std::make_unique<pigment::JointFit>(table, *f.theory, settings);
+      if (hold_out.empty()) return;
+      f.held = pigment::hold_out(table, *f.theory, settings, pigment::hold_out_groups(table, hold_out),
+                                 *f.fit, true, for_ranges);
+      const auto differences = pigment::held_out_differences(table, f.held, observe("D65", table.nm));
+      double sum = 0;
+      for (const auto& [name, difference] : differences) sum += difference;
+      if (!differences.empty()) f.difference = sum / double(differences.size());
+    };
+    const bool free_films =
+        std::any_of(table.samples.begin(), table.samples.end(),
+                    [](const pigment::Sample& s) { return !s.paints.empty() && s.backing == "none"; });
+    if (by_theory != "streams") add(pigment::two_flux_theory(interface));
+    if (by_theory == "streams" || (by_theory == "best" && !free_films))
+      add(pigment::streams_theory(
+          {.index = binder, .g = g, .geometry = how, .specular = light, .varies_g = g_error > 0},
+          for_ranges));
+    if (by_theory == "best" && free_films)
+      notes.push_back("the theory by streams has no free films; two fluxes are fitted alone");
+    const Fitted& best = *std::min_element(
+        fitted.begin(), fitted.end(),
+        [](const Fitted& a, const Fitted& b) { return a.difference < b.difference; });  // of NaN the first
     std::vector<HeldOutParts> held;
-    if (!hold_out.empty())
-      for (const pigment::HeldOut& h : pigment::hold_out(
-               table, *theory, settings, pigment::hold_out_groups(table, hold_out), fit, true, for_ranges)) {
-        Names names;
-        Table measured, predicted, errors;
-        for (const std::size_t s : h.samples)
-          names.push_back(table.samples[s].name), measured.push_back(table.samples[s].values);
-        for (const pigment::JointPrediction& p : h.predictions)
-          predicted.push_back(p.values), errors.push_back(p.error);
-        held.emplace_back(h.specimen, names, measured, predicted, errors, h.reason);
-      }
+    for (const pigment::HeldOut& h : best.held) {
+      Names names;
+      Table measured, predicted, errors;
+      for (const std::size_t s : h.samples)
+        names.push_back(table.samples[s].name), measured.push_back(table.samples[s].values);
+      for (const pigment::JointPrediction& p : h.predictions)
+        predicted.push_back(p.values), errors.push_back(p.error);
+      held.emplace_back(h.specimen, names, measured, predicted, errors, h.reason);
+    }
+    pigment::JointFit& fit = *best.fit;
     fit.with_errors();
     std::vector<SpecimenParts> specimens;
     for (const pigment::SpecimenReport& r : fit.specimens(true)) {
@@ -335,12 +445,22 @@ joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, bool
       specimens.emplace_back(r.name, r.rms, r.weight, r.thickness, r.thickness_error, doses);
     }
     pigment::Palette palette = fit.palette();
-    palette.surface = streams ? pigment::smooth_surface(index, how, light) : interface;
+    palette.surface = !palette.streams ? interface
+                      : has_interface  ? pigment::smooth_surface(index, how, light)
+                                       : pigment::Surface();
     std::vector<std::pair<double, double>> cosines;
     for (const pigment::MeanCosine& c : fit.mean_cosines()) cosines.emplace_back(c.g, c.error);
     for (const std::string& note : pigment::joint_notes(fit)) notes.push_back(note);
-    if (const std::string note = pigment::theory_note(palette); !note.empty()) notes.push_back(note);
-    return std::tuple(parts_of(palette), fit.ratio_error(), cosines, specimens, held, notes);
+    add_aperture(table, palette, notes);
+    std::vector<TheoryParts> theories;
+    for (const Fitted& f : fitted) theories.push_back(parts_of(table, f, &f == &best));
+    const pigment::ResidualReport r = fit.residuals();
+    Table ln_k, ln_s, ln_ratio;
+    if (r.relative > 0)
+      for (const pigment::PaintErrors& e : fit.errors(r.relative))
+        ln_k.push_back(e.k), ln_s.push_back(e.s), ln_ratio.push_back(e.ratio);
+    return std::tuple(parts_of(palette), fit.ratio_error(), cosines, specimens, held, notes, theories,
+                      ResidualParts{r.relative, r.freedom, r.values, ln_k, ln_s, ln_ratio});
   });
 }
 
@@ -402,7 +522,7 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
                             const std::string& by, const Numbers& price,
                             const std::vector<std::pair<std::size_t, std::size_t>>& apart, double smallest,
                             double thickness, const Numbers& substrate, double opacity, bool trade_offs,
-                            double within) {
+                            double within, const StreamsTheory* theory) {
   const Unlocked release;
   const pigment::Palette palette = palette_of(parts);
   const pigment::Observation lamp = observe(illuminant, palette.nm);
@@ -432,7 +552,8 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
     const auto threads = [](std::size_t n, const auto& body, std::size_t grain) {
       for_ranges(n, body, grain);
     };
-    for (const pigment::Match& m : pigment::match(palette, wanted, lamp, lamps, settings, threads))
+    for (const pigment::Match& m :
+         pigment::match(palette, wanted, lamp, lamps, settings, threads, theory ? theory->theory : nullptr))
       all.emplace_back(m.fractions, m.difference, m.differences, m.rms, m.reflectance, m.cost, m.contrast,
                        m.dosing, m.dosing_error);
     return all;
@@ -443,6 +564,11 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
 
 void bind_pigment(nb::module_& m) {
   using nb::arg;
+  nb::class_<StreamsTheory>(m, "StreamsTheory", "Tabulated transport in films of paint.");
+  m.def("pigment_streams_theory", &streams_theory, arg("index"), arg("g"), arg("geometry"), arg("specular"),
+        arg("varies_g"));
+  m.def("pigment_streams_reflectance", &streams_reflectance, arg("theory"), arg("k"), arg("s"),
+        arg("g_shift"), arg("thickness"), arg("substrate"), arg("result").noconvert());
   m.def("pigment_layer", &layer, arg("k"), arg("s"), arg("thickness"), arg("result").noconvert());
   m.def("pigment_fluxes", &fluxes, arg("k"), arg("s"), arg("thickness"), arg("substrate"), arg("depth"),
         arg("result").noconvert());
@@ -494,16 +620,12 @@ void bind_pigment(nb::module_& m) {
       arg("contrast"), arg("start"), arg("target"));
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
   m.def("pigment_fit", &fit, arg("files"), arg("white"), arg("surface").none());
-  m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface").none(), arg("streams"), arg("index"),
+  m.def("pigment_joint_fit", &joint_fit, arg("files"), arg("surface").none(), arg("theory"), arg("index"),
         arg("g"), arg("g_error"), arg("geometry"), arg("specular"), arg("noise"), arg("relative_noise"),
         arg("thickness"), arg("amount"), arg("hold_out"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
   m.def(
-      "pigment_palette",
-      [](const std::string& file) {
-        const pigment::Palette palette = read_palette_file(file);
-        return std::tuple(parts_of(palette), pigment::theory_note(palette));
-      },
+      "pigment_palette", [](const std::string& file) { return parts_of(read_palette_file(file)); },
       arg("file"));
   m.def(
       "pigment_recipe",
@@ -518,7 +640,7 @@ void bind_pigment(nb::module_& m) {
   m.def("pigment_match", &match, arg("palette"), arg("lab"), arg("reflectance"), arg("paints"),
         arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"), arg("by"),
         arg("price"), arg("apart"), arg("smallest"), arg("thickness"), arg("substrate"), arg("opacity"),
-        arg("trade_offs"), arg("within"));
+        arg("trade_offs"), arg("within"), arg("theory").none());
 }
 
 }  // namespace aureole::python

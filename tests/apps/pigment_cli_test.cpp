@@ -327,6 +327,103 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
   wrong("a.cxf", "<svg/>", "a.cxf:1:1: expected the element CxF");
 }
 
+/// Refusals name the column, what was expected, and the line as it would be right; this line is read.
+TEST_F(PigmentCli, RefusalsShowARightLine) {
+  const std::string head = "sample,paints,quantity,backing,thickness_um,unit,400,550,700\n";
+  const std::string card = "card,,R,,,percent,80,82,84\n", film = "a,chalk,R,0,20,percent,40,45,50\n";
+  for (const auto& [line, column, expected] :
+       {std::tuple{"b,chalk,R,card,20,percent,81,x,85", "550", "expected a number, got \"x\""},
+        {"b,chalk,Q,card,20,percent,81,82.5,85", "quantity", "quantity must be R or T, got \"Q\""},
+        {"b,chalk,R,card,-20,percent,81,82.5,85", "thickness_um", "thickness must be positive, got -20"},
+        {"b,chalk,R,card,20,furlong,81,82.5,85", "unit", "unit must be fraction or percent, got \"furlong\""},
+        {"b,chalk,R,card,20,percent,81,82.5", "", "expected 9 cells, as in the line of headings, got 8"},
+        {"b,chalk,R,card,20,percent,81,82.5,85,86,,,87", "", "expected 9 cells"}}) {
+    write("t.csv", head + card + film + line + "\n");
+    fails("fit t.csv", "t.csv:4");
+    EXPECT_NE(said.find(expected), std::string::npos) << said;
+    const std::string named = *column ? "in the column \"" + std::string(column) + "\"" : std::string();
+    EXPECT_NE(said.find(named), std::string::npos) << said;
+    const std::string begin = "a line that would be right:\n    ";
+    const auto at = said.find(begin);
+    if (said.find("numbers with decimal commas") != said.npos) continue;
+    ASSERT_NE(at, said.npos) << said;
+    const std::string right =
+        said.substr(at + begin.size(), said.find('\n', at + begin.size()) - at - begin.size());
+    write("right.csv", head + card + film + right + "\n");
+    EXPECT_EQ(run("fit right.csv"), 0) << right << said;
+  }
+  write(
+      "down.csv",
+      "nm,card,a,b\npaints,,chalk,chalk\nbacking,,0,card\nthickness_um,,20,20\n400,80,40,81\n550,82,x,82.5\n700,84,50,85\n");
+  fails("fit down.csv", "down.csv:6:8: expected a number, got \"x\" in the row \"550\"; right would be");
+}
+
+/// An object without a recipe of its own to which others refer as their backing is a bare card, in CxF and in CGATS; the
+/// first cell of a table that has wavelengths down may be any name of its row.
+TEST_F(PigmentCli, CardsAndHeadingsByOtherNames) {
+  write("films.csv",
+        "sample,paints,backing,thickness_um,unit,400,550,700\ncard,,,,percent,80,82,84\n"
+        "a,chalk,0,20,percent,40,45,50\nb,chalk,card,20,percent,81,82.5,85\n");
+  write(
+      "films.cxf",
+      replaced(kCxf,
+               "<cc:TagCollection Name=\"drawdown\"><cc:Tag Name=\"Paints\" Value=\"\"/></cc:TagCollection>",
+               ""));
+  std::string names = replaced(kCgats, "SAMPLE_ID PAINTS", "SAMPLE_NAME ");
+  names = replaced(names, "card\t\"\"\t\"\"", "card\t\"\"");
+  names = replaced(names, "\"chalk over black\"\tchalk", "chalk");
+  names = replaced(names, "\"chalk over card\"\tchalk", "chalk");
+  write("films.cgats", replaced(names, "NUMBER_OF_FIELDS 8", "NUMBER_OF_FIELDS 7"));
+  for (const char* first : {"name", "Sample ID", "wavelength"})
+    write(
+        "down " + std::string(first).substr(0, 4) + ".csv",
+        "Customer,somebody\n" + std::string(first) +
+            ",card,a,b\nrecipe,,chalk,chalk\nbackground,,0,card\nthickness (um),,20,20\nunit,percent,percent,percent\n"
+            "400nm,80,40,81\n550nm,82,45,82.5\n700nm,84,50,85\n");
+  ASSERT_EQ(run("fit films.csv --json expected.json"), 0) << said;
+  const auto expected = json("expected.json")["pigments"];
+  for (const char* file : {"films.cxf", "films.cgats", "down name.csv", "down Samp.csv", "down wave.csv"}) {
+    ASSERT_EQ(run("fit '" + std::string(file) + "' --json fit.json"), 0) << file << said;
+    const auto pigments = json("fit.json")["pigments"];
+    ASSERT_EQ(pigments.size(), 1u) << file;
+    for (const std::size_t i : {0, 1, 2})
+      EXPECT_NEAR(pigments[0]["s"][i].get<double>() / expected[0]["s"][i].get<double>(), 1, 1e-9) << file;
+  }
+}
+
+/// The aperture that a file states tells how much light translucent paints lose at its edge.
+TEST_F(PigmentCli, ApertureOfAFileIsUsed) {
+  const auto with = [](const std::string& aperture) {
+    return replaced(
+        kCgats, "SPECTRAL_NORM",
+        "KEYWORD \"MEASUREMENT_APERTURE\"\nMEASUREMENT_APERTURE \"" + aperture + "\"\nSPECTRAL_NORM");
+  };
+  double last = 0;
+  for (const char* aperture : {"25 mm", "8", "0.2 cm"}) {
+    write("films.cgats", with(aperture));
+    ASSERT_EQ(run("fit films.cgats --json fit.json"), 0) << said;
+    const auto found = json("fit.json")["aperture"];
+    EXPECT_NE(said.find("light lost at its edge makes a Delta E of"), std::string::npos) << said;
+    EXPECT_GT(found["edge_loss_delta_e"].get<double>(), last) << aperture;
+    last = found["edge_loss_delta_e"];
+    ASSERT_EQ(run("fit films.cgats --joint --theory two-flux --json joint.json"), 0) << said;
+    EXPECT_EQ(json("joint.json")["aperture"]["diameter_mm"], found["diameter_mm"]);
+  }
+  EXPECT_LT(last, 1);
+  write("films.cgats", with("LAV"));
+  ASSERT_EQ(run("fit films.cgats"), 0) << said;
+  EXPECT_NE(said.find("the aperture \"LAV\" has no known size"), std::string::npos) << said;
+  write(
+      "opaque.cgats",
+      "APERTURE 4mm\nBEGIN_DATA_FORMAT\nSAMPLE_NAME nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite .9 .8\nEND_DATA\n");
+  ASSERT_EQ(run("fit opaque.cgats"), 0) << said;
+  EXPECT_NE(said.find("aperture 4mm: K and S have no unit of length"), std::string::npos) << said;
+  write("other.cgats", with("12 mm"));
+  write("films.cgats", with("4 mm"));
+  ASSERT_EQ(run("fit films.cgats other.cgats --joint --theory two-flux"), 0) << said;
+  EXPECT_NE(said.find("the aperture is 12 mm, that of films.cgats 4 mm"), std::string::npos) << said;
+}
+
 /// The geometry of a CxF file is taken off; version 2 of the format has the range of wavelengths elsewhere.
 TEST_F(PigmentCli, GeometryOfAFileIsUsed) {
   const std::string spec = R"(<cc:MeasurementSpec>)";
@@ -727,7 +824,7 @@ TEST_F(PigmentCli, RealDrawdowns) {
             0);
   const bool thorough = std::getenv("AUREOLE_THOROUGH");
   ASSERT_EQ(
-      run("fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --white ZincWhite --black BoneBlack --json fit.json "
+      run("fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --index 1.48 --white ZincWhite --black BoneBlack --json fit.json "
           "-o paints.csv --plot ks.svg --plot-k k.svg --plot-s s.svg --hold-out " +
           std::string(thorough ? "each" : "06C,13B,14B")),
       0)
@@ -740,7 +837,7 @@ TEST_F(PigmentCli, RealDrawdowns) {
     EXPECT_LT(s["rms"], 0.02) << s["specimen"];
     well += !s["outlier"].get<bool>();
   }
-  EXPECT_GE(well, 48);
+  EXPECT_GE(well, 44);
   EXPECT_EQ(fit["unit"], "film");
   // Films of vermilion hide: only K/S is known.
   for (const auto& p : fit["pigments"])
@@ -862,14 +959,20 @@ TEST_F(PigmentCli, AStreamsPaletteSaysSo) {
   EXPECT_EQ(json("t.json")["theory"], "two fluxes");
   const std::string note =
       "note: streams.csv: K and S were fitted by streams; two fluxes, which are used here";
-  for (const char* command : {"mix streams.csv white --k1 0.04 --k2 0.6", "match streams.csv 'lab(60,20,10)'",
+  // Under Saunderson's numbers or a rough interface K and S are used by two fluxes, with a note.
+  for (const char* command : {"mix streams.csv white", "match streams.csv 'lab(60,20,10)'",
                               "hide streams.csv white --thickness 1"}) {
+    for (const char* interface : {" --k1 0.04 --k2 0.6", " --geometry diffuse --alpha 0.2"}) {
+      ASSERT_EQ(run(command + std::string(interface)), 0) << said;
+      EXPECT_NE(said.find(note), std::string::npos) << command << "\n" << said;
+    }
     ASSERT_EQ(run(command), 0) << said;
-    EXPECT_NE(said.find(note), std::string::npos) << command << "\n" << said;
-    ASSERT_EQ(run(replaced(command, "streams.csv", "two.csv")), 0) << said;
     EXPECT_EQ(said.find("fitted by streams"), std::string::npos) << command << "\n" << said;
+    EXPECT_NE(said.find("by streams"), std::string::npos) << command << "\n" << said;
+    ASSERT_EQ(run(replaced(command, "streams.csv", "two.csv")), 0) << said;
+    EXPECT_EQ(said.find("by streams"), std::string::npos) << command << "\n" << said;
   }
-  // `mix` predicts by the theory of the palette; that of the fit is within its residuals of the measured tint.
+  // All predict by the theory of the palette; that of the fit is within its residuals of the measured tint.
   ASSERT_EQ(run("mix streams.csv 'white: 9 + red: 1' --thickness 1 --substrate 0.8 --json m.json"), 0)
       << said;
   EXPECT_NE(said.find("1 thick over 0.8, by streams"), std::string::npos) << said;
@@ -877,6 +980,30 @@ TEST_F(PigmentCli, AStreamsPaletteSaysSo) {
   EXPECT_EQ(json("m.json")["theory"], "streams");
   for (const auto& [index, measured] : {std::pair{0, 0.5}, {1, 0.6}, {2, 0.8}})
     EXPECT_NEAR(json("m.json")["reflectance"][std::size_t(index)].get<double>(), measured, 0.05);
+  // `match` finds the recipe of what `mix` predicts, and the contrast of `hide` is that of `mix` over black and white.
+  write(
+      "target.csv", "sample,unit,400,550,700\nt,fraction" + [&] {
+        std::string values;
+        for (const auto& v : json("m.json")["reflectance"]) values += "," + std::to_string(v.get<double>());
+        return values;
+      }() + "\n");
+  ASSERT_EQ(run("match streams.csv target.csv#t --thickness 1 --substrate 0.8 -n 2 --json r.json"), 0)
+      << said;
+  EXPECT_EQ(json("r.json")["theory"], "streams");
+  EXPECT_NEAR(json("r.json")["solutions"][0]["recipe"]["white"].get<double>(), 0.9, 0.005) << said;
+  EXPECT_LT(json("r.json")["solutions"][0]["difference"].get<double>(), 0.05);
+  ASSERT_EQ(run("hide streams.csv 'white: 9 + red: 1' --thickness 1 --json h.json"), 0) << said;
+  double luminous[2];
+  for (const int i : {0, 1}) {
+    ASSERT_EQ(run("mix streams.csv 'white: 9 + red: 1' --thickness 1 --json m.json --substrate " +
+                  std::string(i ? "0.8" : "0")),
+              0)
+        << said;
+    const double l = (json("m.json")["lab"][0].get<double>() + 16) / 116;
+    luminous[i] = l * l * l;
+  }
+  EXPECT_NEAR(json("h.json")["at_thickness"]["contrast_ratio"].get<double>(), luminous[0] / luminous[1],
+              1e-6);
   ASSERT_EQ(run("mix streams.csv red --geometry d8 --specular included --json m.json"), 0) << said;
   const double included = json("m.json")["reflectance"][0];
   ASSERT_EQ(run("mix streams.csv red --geometry d8 --specular excluded --json m.json"), 0) << said;
@@ -1070,7 +1197,8 @@ TEST_F(PigmentCli, ResidualsBesideTheStatedNoise) {
   // The scatter of repeats is added to the stated noise in squares.
   EXPECT_NEAR(json("j.json")["residuals"]["relative_to_noise"], 0.004 / std::hypot(0.05, 0.0041), 0.003);
   EXPECT_NE(said.find("of the stated noise (0.05 and 0 % of R, in squares)"), std::string::npos) << said;
-  EXPECT_NE(said.find("Errors of K and S are too wide by about a factor of 12"), std::string::npos) << said;
+  EXPECT_NE(said.find("Errors by the stated noise are too wide by about a factor of 12"), std::string::npos)
+      << said;
   ASSERT_EQ(run("fit t.csv --joint --theory two-flux --noise 0.0001 --relative-noise 0 --json j.json"), 0)
       << said;
   EXPECT_NEAR(json("j.json")["residuals"]["relative_to_noise"], 1, 0.1);

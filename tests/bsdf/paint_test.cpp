@@ -11,6 +11,7 @@
 #include "aureole/math/warp.h"
 #include "aureole/parameter/palette_file.h"
 #include "aureole/pigment/saunderson.h"
+#include "aureole/pigment/streams_mixture.h"
 #include "harness/bsdf_harness.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
@@ -185,21 +186,64 @@ TEST(PaintBsdf, WrongParametersAreLocated) {
 
 TEST(PaintBsdf, NotesAPaletteByStreams) {
   const test::TemporaryFolder folder;
-  const auto notes_of = [&](const std::string& theory) {
+  const auto notes_of = [&](const std::string& theory, const std::string& more) {
     const std::string file = (folder.path / "palette.csv").string();
     std::ofstream(file) << "unit,film\n" << theory << "nm,a K,a S\n300,0.1,1\n900,0.1,1\n";
     Diagnostics diagnostics;
     build<Bsdf>("<bsdf type=\"paint\"><string name=\"palette\" value=\"" + file +
-                    "\"/><string name=\"recipe\" value=\"a\"/></bsdf>",
+                    "\"/><string name=\"recipe\" value=\"a\"/>" + more + "</bsdf>",
                 make_context(540, 560, &diagnostics));
     std::string text;
     for (const std::string& note : diagnostics.notes()) text += note;
     return text;
   };
-  EXPECT_NE(notes_of("theory,streams\n").find("K and S were fitted by streams; two fluxes"),
+  const std::string varying =
+      "<string name=\"second_recipe\" value=\"a\"/><texture type=\"checkerboard\" name=\"blend\"/>";
+  EXPECT_NE(notes_of("theory,streams\n", varying).find("K and S were fitted by streams; two fluxes"),
             std::string::npos);
-  EXPECT_EQ(notes_of("theory,two fluxes\n").find("streams"), std::string::npos);
-  EXPECT_EQ(notes_of("").find("streams"), std::string::npos);
+  EXPECT_EQ(notes_of("theory,streams\n", "").find("streams"), std::string::npos);
+  EXPECT_EQ(notes_of("theory,two fluxes\n", varying).find("streams"), std::string::npos);
+}
+
+/// A coat of a palette by streams reflects light at 8 degrees as streams predict it for an instrument that excludes gloss,
+/// with a thickness over a substrate as well.
+TEST(PaintBsdf, PaletteByStreamsReflectsAsStreamsPredict) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path / "palette.csv").string();
+  std::ofstream(file) << "unit,film\ntheory,streams\nstreams index,1.5\nstreams g,0.6\nstreams geometry,d8\n"
+                         "nm,a K,a S,b K,b S\n300,0.1,2,3,0.4\n900,0.1,2,3,0.4\n";
+  const pigment::Palette palette = read_palette_file(file);
+  const pigment::StreamsMixture streams(palette);
+  const float mu_i = std::cos(8 * kPi / 180);
+  const Vec3 wi{std::sqrt(1 - mu_i * mu_i), 0, mu_i};
+  const std::vector<double> fractions{0.6, 0.4};
+  for (const double thickness : {0.2, 1.0, 3.0, double(INFINITY)})
+    for (const double substrate : {0.0, 0.8}) {
+      const auto number = [](const std::string& name, double value) {
+        return "<float name=\"" + name + "\" value=\"" + std::to_string(value) + "\"/>";
+      };
+      // The thickness is that of the parameter times a constant factor, the recipe a blend in constant amounts.
+      std::string body =
+          "<string name=\"palette\" value=\"" + file +
+          "\"/><string name=\"recipe\" value=\"a\"/><string name=\"second_recipe\" value=\"b\"/>" +
+          number("blend", 0.4) + number("int_ior", 1.5) + number("ext_ior", 1);
+      if (!std::isinf(thickness))
+        body += number("thickness", thickness / 2) + number("thickness_factor", 2) +
+                number("substrate", substrate);
+      const auto bsdf = build<Bsdf>("<bsdf type=\"paint\">" + body + "</bsdf>", make_context(540, 560));
+      const Wavelengths w = Wavelengths::at(make_context(540, 560)->grid, Spectrum(550.f));
+      SurfacePoint point;
+      const BsdfContext ctx{w, point};
+      constexpr int kCosines = 2000;
+      double sum = 0;
+      for (int j = 0; j < kCosines; ++j) {
+        const float mu = (float(j) + 0.5f) / kCosines;
+        sum += double(bsdf->eval(wi, {0, std::sqrt(1 - mu * mu), mu}, ctx)[0]) * 2 * double(kPi) / kCosines;
+      }
+      const double below[] = {substrate};
+      EXPECT_NEAR(sum, streams.reflectance(fractions, thickness, below)[0], 5e-4)
+          << thickness << " " << substrate;
+    }
 }
 
 }  // namespace

@@ -343,9 +343,9 @@ def test_joint_fit(tmp_path):
     with pytest.raises(aureole.Error, match="no specimen is called"):
         pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", hold_out="x")
     assert found.g.size == 0
-    streams = pigment.joint_fit(tmp_path / "films.csv", g=0.7, g_error=0.2)
+    streams = pigment.joint_fit(tmp_path / "films.csv", theory="streams", geometry="d8", g=0.7, g_error=0.2)
     assert streams.g.shape == streams.g_error.shape == (2,) and np.all(np.abs(streams.g - 0.7) < 0.15)
-    for wrong, said in ((dict(surface=seen), "surface: is for the theory"), (dict(theory="two-flux", g_error=0.1), "g_error: is for the theory"),
+    for wrong, said in ((dict(theory="streams", surface=seen), "surface: is for the theory"), (dict(theory="two-flux", g_error=0.1), "g_error: is for the theory"),
                         (dict(theory="two-flux", surface=seen, geometry="d8"), "surface: stands for an interface by itself")):
         with pytest.raises(aureole.Error, match=said):
             pigment.joint_fit(tmp_path / "films.csv", **wrong)
@@ -358,12 +358,47 @@ def test_joint_fits_state_noise_and_theory(tmp_path):
     assert errors[1] > 2 * errors[0]
     with pytest.raises(aureole.Error, match="^relative_noise: "):
         pigment.joint_fit(tmp_path / "films.csv", theory="two-flux", relative_noise=-1)
-    with pytest.warns(UserWarning, match="K and S were fitted by streams"):
+    with pytest.warns(UserWarning, match="no interface is taken off"):
         pigment.joint_fit(tmp_path / "films.csv", theory="streams")
+
+
+def test_palettes_by_streams_predict_by_streams(tmp_path):
     palette = tmp_path / "palette.csv"
-    palette.write_text("unit,film\ntheory,streams\nnm,a K,a S\n400,0.1,1\n700,0.1,1\n")
-    with pytest.warns(UserWarning, match="palette.csv: K and S were fitted by streams"):
-        assert pigment.Palette.load(palette).names == ("a",)
+    palette.write_text("unit,film\ntheory,streams\nstreams index,1.5\nstreams g,0.5\nstreams geometry,diffuse\n"
+                       "nm,a K,a S,b K,b S\n400,0.2,3,1,0.3\n550,0.4,2.5,0.5,0.2\n700,0.1,2,2,0.1\n")
+    paints = pigment.Palette.load(palette)
+    assert paints.streams == pigment.Streams(1.5, 0.5, "diffuse", "excluded")
+    mixed = paints.mix("a: 0.7 + b: 0.3")
+    k, s = (0.7 * of[0] + 0.3 * of[1] for of in (paints.k, paints.s))
+    for thickness in (0.5, 1.0, 4.0):
+        # The solver of stacks has the film over a Lambertian substrate as it is; gloss is what a black film reflects.
+        layers = [optics.StackLayer(thickness, absorption=k / 2, scattering=4 / 3 * s / 0.5, g=0.5, index=1.5)]
+        black = optics.PlaneStack([optics.StackLayer(thickness, absorption=np.full(3, 1e4), scattering=0.0, g=0.0, index=1.5)],
+                                  index_below=1.5, streams=64)
+        gloss = black.fluxes().reflectance
+        for substrate in (0.0, 0.8):
+            stack = optics.PlaneStack(layers, index_below=1.5, substrate=substrate, streams=64)
+            np.testing.assert_allclose(mixed.reflectance(thickness, substrate), stack.fluxes().reflectance - gloss, atol=2e-3)
+    thin, deep = mixed.contrast_ratio(0.5), mixed.contrast_ratio(4)
+    assert thin < deep < 1 and 0.97 < mixed.contrast_ratio(mixed.hiding_thickness()) < 0.99
+    found = paints.match(mixed.reflectance(1.0, 0.8), paints=2, thickness=1.0, substrate=0.8)
+    assert found[0].recipe["a"] == pytest.approx(0.7, abs=0.01) and found[0].difference < 0.05
+    np.testing.assert_allclose(found[0].reflectance, mixed.reflectance(1.0, 0.8), atol=1e-3)
+
+
+def test_the_better_theory_of_a_joint_fit_is_kept(tmp_path):
+    _films(tmp_path / "films.csv")
+    found = pigment.joint_fit(tmp_path / "films.csv", geometry="d8", noise=0.002, relative_noise=0, hold_out="each")
+    assert {t.name for t in found.theories} == {"two fluxes", "streams"}
+    kept = [t for t in found.theories if t.is_kept]
+    assert len(kept) == 1 and kept[0].difference == min(t.difference for t in found.theories)
+    assert (found.palette.streams is not None) == (kept[0].name == "streams")
+    assert kept[0].difference == pytest.approx(np.mean([h.difference for h in found.held_out]), rel=1e-6)
+    assert 0 < kept[0].coverage <= 1
+    residuals = found.residuals
+    assert 0 < residuals.degrees_of_freedom < residuals.values <= 160 and residuals.relative > 0
+    assert residuals.k_error.shape == residuals.s_error.shape == residuals.ratio_error.shape == found.palette.k.shape
+    assert (np.median(residuals.s_error) < np.median(found.palette.s_error / found.palette.s)) == (residuals.relative < 1)
 
 
 def test_a_joint_fit_takes_the_stated_geometry(tmp_path):

@@ -38,34 +38,6 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / double(values.size());
 }
 
-/// Returns the mean CIEDE2000 of each specimen over its reflectances.
-std::map<std::string, double> differences(const pigment::SampleTable& table,
-                                          const std::vector<pigment::HeldOut>& held,
-                                          const pigment::Observation& lamp) {
-  std::map<std::string, double> all;
-  for (const pigment::HeldOut& h : held) {
-    std::vector<double> each;
-    for (std::size_t i = 0; i < h.predictions.size(); ++i) {
-      const pigment::Sample& s = table.samples[h.samples[i]];
-      if (s.quantity == pigment::Sample::Quantity::reflectance)
-        each.push_back(pigment::ciede2000(lamp.lab(s.values), lamp.lab(h.predictions[i].values)));
-    }
-    if (!each.empty()) all[h.specimen] = mean(each);
-  }
-  return all;
-}
-
-/// Returns the fraction of measured values within the 90 % intervals of their predictions.
-double coverage(const pigment::SampleTable& table, const std::vector<pigment::HeldOut>& held) {
-  int inside = 0, count = 0;
-  for (const pigment::HeldOut& h : held)
-    for (std::size_t i = 0; i < h.predictions.size(); ++i)
-      for (std::size_t l = 0; l < table.nm.size(); ++l, ++count)
-        inside += std::abs(h.predictions[i].values[l] - table.samples[h.samples[i]].values[l]) <=
-                  kNormal90 * h.predictions[i].error[l];
-  return count ? double(inside) / count : 0;
-}
-
 pigment::StreamsSettings streams_settings(const SurfaceOptions& o, const JointOptions& joint) {
   pigment::StreamsSettings s;
   s.g = joint.g, s.varies_g = joint.settings.g > 0;
@@ -110,13 +82,19 @@ double median_ratio(const std::vector<double>& errors, const std::vector<double>
   return 100 * median(ratios);
 }
 
-void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
+/// Prints errors by the stated noise, which has the theory's own error in it, and by the residuals (`residuals` times this noise).
+void print_paints(pigment::JointFit& fit, double residuals, nlohmann::json& out) {
   const pigment::Palette& palette = fit.palette();
   const std::vector<double> volumes = fit.specific_volumes();
   const std::vector<pigment::MeanCosine> cosines = fit.mean_cosines();
   const std::vector<pigment::UnknownPaint> unknown_paints = fit.unknown_paints();
-  fmt::print("\n{:<24} {:>8} {:>10} {:>10} {:>10}{}  only K/S is known at (nm)\n", "paint", "volume",
-             "error of K", "error of S", "of K/S", cosines.empty() ? "" : fmt::format(" {:>12}", "g"));
+  const bool tells_noise = residuals > 0;
+  const std::vector<pigment::PaintErrors> by_residuals =
+      tells_noise ? fit.errors(residuals) : std::vector<pigment::PaintErrors>();
+  fmt::print("\n{:<24} {:>8} {:>10} {:>10} {:>10}{}{}  only K/S is known at (nm)\n", "paint", "volume",
+             "error of K", "error of S", "of K/S",
+             tells_noise ? fmt::format(" {:>26}", "by residuals: K, S, K/S") : "",
+             cosines.empty() ? "" : fmt::format(" {:>12}", "g"));
   for (std::size_t p = 0; p < palette.pigments.size(); ++p) {
     const pigment::Pigment& one = palette.pigments[p];
     const std::vector<double>& ratio = fit.ratio_error()[p];
@@ -132,18 +110,29 @@ void print_paints(const pigment::JointFit& fit, nlohmann::json& out) {
     }
     for (std::size_t l = 0; l < palette.nm.size(); ++l)
       hidden[l] = one.s_error[l] > kKnown * one.s[l] && ratio[l] <= kKnown;
-    fmt::print("{:<24} {:>8.2f} {:>8.1f} % {:>8.1f} % {:>8.1f} %{}  {}\n", one.name, volumes[p],
+    const auto per_cent = [](const std::vector<double>& of) {
+      return fmt::format("{:>6.1f} %", 100 * median(of));
+    };
+    fmt::print("{:<24} {:>8.2f} {:>8.1f} % {:>8.1f} % {:>8.1f} %{}{}  {}\n", one.name, volumes[p],
                median_ratio(one.k_error, one.k), median_ratio(one.s_error, one.s), 100 * median(ratio),
+               tells_noise ? "  " + per_cent(by_residuals[p].k) + " " + per_cent(by_residuals[p].s) + " " +
+                                 per_cent(by_residuals[p].ratio)
+                           : "",
                cosines.empty() ? "" : fmt::format(" {:>5.2f} +- {:.2f}", cosines[p].g, cosines[p].error),
                ranges(palette.nm, hidden));
     nlohmann::json& json = out["pigments"][p]["fit"];
     if (!cosines.empty()) json["g"] = cosines[p].g, json["g_error"] = cosines[p].error;
     json["method"] = "joint", json["specific_volume"] = volumes[p], json["ln_k_over_s_error"] = ratio;
     json["only_k_over_s_known"] = hidden;
+    if (tells_noise)
+      json["by_residuals"] = {{"ln_k_error", by_residuals[p].k},
+                              {"ln_s_error", by_residuals[p].s},
+                              {"ln_k_over_s_error", by_residuals[p].ratio}};
   }
   fmt::print(
-      "Errors are medians over wavelengths of one standard deviation. Volume: per mass, relative to the mean paint; "
-      "the palette has it as densities, by which `mix` and `match` convert masses.\n");
+      "Errors are medians over wavelengths of one standard deviation, by the stated noise, in which the theory's own error is, "
+      "and by the residuals, as if the theory were exact. Volume: per mass, relative to the mean paint; the palette has it as "
+      "densities, by which `mix` and `match` convert masses.\n");
 }
 
 void print_specimens(const pigment::SampleTable& table, const pigment::JointFit& fit, nlohmann::json& out) {
@@ -185,11 +174,10 @@ void print_specimens(const pigment::SampleTable& table, const pigment::JointFit&
   }
 }
 
-/// Prints how residuals compare with the stated noise, which also determines the errors of K and S.
-void print_residuals(const pigment::JointFit& fit, const pigment::JointSettings& settings,
+/// Prints how residuals compare with the stated noise, by which errors of K and S are stated as well.
+void print_residuals(const pigment::ResidualReport& r, const pigment::JointSettings& settings,
                      nlohmann::json& out) {
   constexpr double kFar = 2;
-  const pigment::ResidualReport r = fit.residuals();
   out["residuals"] = {{"degrees_of_freedom", r.freedom}, {"values", r.values}};
   const std::string noise = fmt::format("the stated noise ({:g} and {:g} % of R, in squares)", settings.noise,
                                         100 * settings.noise_relative);
@@ -204,8 +192,8 @@ void print_residuals(const pigment::JointFit& fit, const pigment::JointSettings&
              r.freedom);
   if (r.relative < 1 / kFar)
     fmt::print(
-        "Errors of K and S are too wide by about a factor of {:.1f} if the theory is exact: a smaller --noise and "
-        "--relative-noise say it better. Whether it is exact enough, the 90 % intervals of --hold-out tell.\n",
+        "Errors by the stated noise are too wide by about a factor of {:.1f} if the theory is exact; those by the residuals are "
+        "right then. Whether it is exact enough, the 90 % intervals of --hold-out tell.\n",
         1 / r.relative);
   else if (r.relative > kFar)
     fmt::print(
@@ -298,7 +286,7 @@ void print_held_out(const pigment::SampleTable& table, const std::vector<Candida
   if (determined.size() < names.size())
     summary("Of these, those whose paints other tints determine", determined, "determined");
   for (const Candidate& c : candidates) {
-    const double covered = coverage(table, c.held);
+    const double covered = pigment::interval_coverage(table, c.held);
     fmt::print("90 % intervals of {} cover {:.1f} % of the measured reflectances.\n", c.name, 100 * covered);
     out["held_out"]["coverage"][c.name] = covered;
   }
@@ -314,8 +302,8 @@ void JointOptions::declare(CommandOptions& options) {
   options
       .add(
           "--theory", theory,
-          "with --joint: two-flux, streams, or best: both are fitted and compared, and the palette is that of two-flux, which "
-          "match, hide and the BSDF use")
+          "with --joint: two-flux, streams, or best: both are fitted, and the palette is that of the theory that predicts "
+          "specimens better which --hold-out keeps back, else that of two-flux")
       .one_of({"two-flux", "streams", "best"})
       .shows_default();
   options
@@ -402,22 +390,20 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
       const pigment::HoldOutGroups groups = pigment::hold_out_groups(table, options.hold_out);
       for (Candidate& c : candidates) {
         c.held = pigment::hold_out(table, *c.theory, options.settings, groups, *c.fit, true, for_ranges);
-        c.difference = differences(table, c.held, lamp);
+        c.difference = pigment::held_out_differences(table, c.held, lamp);
       }
       const auto two = pigment::two_flux_theory(surface.surface());
-      plain = differences(
+      plain = pigment::held_out_differences(
           table, pigment::hold_out_plain(table, *two, groups, white, options.black, for_ranges), lamp);
     }
-    // The theory is chosen by its predictions, since a smaller sum of squares alone does not mean better
-    // predictions. Two fluxes come first, since `match` uses them.
+    // A smaller sum of squares alone does not tell that a theory predicts better: without specimens kept back two fluxes,
+    // the simpler theory, are written.
     Candidate& best =
         !keeps_back
             ? candidates.front()
             : *std::min_element(candidates.begin(), candidates.end(),
                                 [](const Candidate& a, const Candidate& b) { return a.merit() < b.merit(); });
-    // The written palette has the K and S of the two-flux model, which `match`, `hide` and the BSDF use. The K
-    // and S of the model with more streams would make its predictions worse.
-    Candidate& written = candidates.front();
+    Candidate& written = best;
     written.fit->with_errors();
     pigment::Palette palette = written.fit->palette();
     palette.surface = surface.surface();
@@ -438,10 +424,9 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
           "{:<12} sum of squares {:.0f} in {} steps; rms of a specimen: median {:.2f} %, largest {:.2f} %{}\n",
           c.name + ":", c.fit->cost(), c.fit->iterations(), median(rms),
           *std::max_element(rms.begin(), rms.end()),
-          fmt::format("{}{}", &c == &best && keeps_back && candidates.size() > 1 ? " (predicts better)" : "",
-                      &c == &written && candidates.size() > 1
-                          ? " (in the palette: match, hide and the BSDF use two fluxes)"
-                          : ""));
+          candidates.size() == 1 || &c != &written ? ""
+          : keeps_back                             ? " (predicts better: in the palette)"
+                       : " (in the palette; --hold-out tells which predicts better)");
       out["theories"][c.name] = {{"cost", c.fit->cost()},
                                  {"median_rms_percent", median(rms)},
                                  {"kept", &c == &written},
@@ -449,11 +434,12 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
     }
     if (written.name == "streams")
       fmt::print(
-          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g). `mix` predicts by streams with them; `match`, `hide` and the BSDF use "
-          "two fluxes, which predict worse with them than with those of --theory two-flux.\n");
-    print_paints(*written.fit, out);
+          "K and S are 2 sigma_a and 3/4 sigma_s (1 - g). `mix`, `match`, `hide`, Python and the BSDF predict by streams with "
+          "them.\n");
+    const pigment::ResidualReport residuals = written.fit->residuals();
+    print_paints(*written.fit, residuals.relative, out);
     print_specimens(table, *written.fit, out);
-    print_residuals(*written.fit, options.settings, out);
+    print_residuals(residuals, options.settings, out);
     if (keeps_back) print_held_out(table, candidates, plain, white, options.black, illuminant, out);
     return JointPalette{palette, written.fit->ratio_error()};
   });

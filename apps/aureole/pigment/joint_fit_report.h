@@ -11,9 +11,6 @@
 
 namespace aureole {
 
-/// Half the width of a 90 % interval of a normal distribution, in standard deviations.
-inline constexpr double kNormal90 = 1.6449;
-
 struct JointOptions {
   bool joint = false;
   std::string theory = "best", black = "black";

@@ -11,6 +11,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
+#include "aureole/instrument/paint/aperture_loss.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/instrument/paint/two_flux_doubt.h"
@@ -81,7 +82,7 @@ std::string plot_of(const pigment::Palette& palette, const pigment::Observation&
     if (spread.empty()) continue;
     const std::vector<double>& of_paint = spread[std::size_t(&p - usable.pigments.data())];
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double factor = std::exp(std::min(kNormal90 * of_paint[i], kWidestBand));
+      const double factor = std::exp(std::min(pigment::kNormal90 * of_paint[i], kWidestBand));
       line.low.push_back(values[i] / factor), line.high.push_back(values[i] * factor);
     }
   }
@@ -139,7 +140,7 @@ nlohmann::json report_json(const pigment::FitReport& r) {
 
 /// Notes options that have no effect, and names of paints that are not in the table.
 void note_unused(const FitOptions& o, const pigment::SampleTable& table) {
-  o.surface.note_unused();
+  o.surface.note_unused(o.joint.joint && o.joint.theory != "two-flux");
   const JointOptions usual;
   const pigment::JointSettings &set = o.joint.settings, &standard = usual.settings;
   for (const auto& [option, is_given] : {std::pair{"--theory", o.joint.theory != usual.theory},
@@ -216,6 +217,18 @@ void note_thin_films(const FitOptions& o, const pigment::SampleTable& table, pig
       largest, fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more paints", more) : "");
 }
 
+/// Notes what the aperture of the instrument means, if the table states one.
+void note_aperture(const FitOptions& o, const pigment::SampleTable& table, const pigment::Palette& palette,
+                   nlohmann::json& out) {
+  const pigment::Observation lamp = observe(o.light.viewing(), palette.nm);
+  if (const std::string text = aperture_text(table, palette, lamp); !text.empty())
+    tell("note: {}: {}\n", o.samples, text);
+  if (const auto loss = aperture_loss(table, palette, lamp))
+    out["aperture"] = {{"diameter_mm", 1e3 * loss->diameter_m},
+                       {"edge_loss_delta_e", loss->difference},
+                       {"sample", loss->sample}};
+}
+
 int fit(FitOptions o) {
   o.samples = fmt::format("{}", fmt::join(o.files, ", "));
   if (o.is_template) {
@@ -241,6 +254,7 @@ int fit(FitOptions o) {
     const auto [palette, ratio_error] =
         fit_jointly(o.samples, table, o.joint, surface, o.white, o.light.viewing(), out);
     if (!palette.streams) note_thin_films(o, table, palette);
+    note_aperture(o, table, palette, out);
     if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
     if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
     write_plots(o, palette, observe(o.light.viewing(), palette.nm), ratio_error);
@@ -273,6 +287,7 @@ int fit(FitOptions o) {
   nlohmann::json out = palette_json(palette);
   for (std::size_t i = 0; i < found.reports.size(); ++i)
     out["pigments"][i]["fit"] = report_json(found.reports[i]);
+  note_aperture(o, table, palette, out);
 
   const pigment::Observation lamp = observe(o.light.viewing(), palette.nm);
   Plot differences{"Measurements of " + o.samples + " predicted from the others",

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
+#include "aureole/core/parallel.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/pigment/hiding.h"
+#include "aureole/pigment/streams_mixture.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
@@ -31,9 +34,13 @@ int hide(const HideOptions& o) {
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
   const pigment::Paint paint = pigment::mix(palette, fractions);
   const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
+  std::optional<pigment::StreamsMixture> streams;
+  if (palette.streams) streams.emplace(palette, for_ranges);
+  const std::vector<double> shifts = streams ? pigment::g_shifts(palette, fractions) : std::vector<double>();
   const auto luminous = [&](double thickness, double below) {
     const double substrate[] = {below};
-    return lamp.xyz(pigment::paint_reflectance(paint, thickness, substrate, palette.surface))[1];
+    return lamp.xyz(streams ? streams->reflectance(fractions, thickness, substrate)
+                            : pigment::paint_reflectance(paint, thickness, substrate, palette.surface))[1];
   };
   const auto contrast = [&](double thickness) {
     return luminous(thickness, o.black) / luminous(thickness, o.white);
@@ -49,20 +56,22 @@ int hide(const HideOptions& o) {
   };
 
   const bool has_thickness = !o.layer.thickness.empty();
-  note_two_flux_doubt(
-      palette, paint, has_thickness ? thickness_for(palette, o.layer.thickness) : hidden, o.black,
-      o.surface.index, lamp,
-      (has_thickness ? "this layer" : "the layer that just hides") + fmt::format(" over {:g}", o.black));
+  if (!streams)
+    note_two_flux_doubt(
+        palette, paint, has_thickness ? thickness_for(palette, o.layer.thickness) : hidden, o.black,
+        o.surface.index, lamp,
+        (has_thickness ? "this layer" : "the layer that just hides") + fmt::format(" over {:g}", o.black));
 
   fmt::print("{}\n", pigment::recipe_text(components_of(palette, fractions)));
-  fmt::print("over {:g} and {:g}, luminous reflectance under {}:\n", o.black, o.white,
-             o.layer.light.viewing());
+  fmt::print("over {:g} and {:g}, luminous reflectance under {}{}:\n", o.black, o.white,
+             o.layer.light.viewing(), streams ? ", by streams" : "");
   fmt::print("  hides (contrast ratio {:g}) from  {}\n", o.ratio, thickness_text(hidden));
   nlohmann::json out = {{"hiding_thickness", std::isinf(hidden) ? nlohmann::json() : nlohmann::json(hidden)},
                         {"unit", palette.per_film   ? "film"
                                  : palette.relative ? "1/S of the white"
                                                     : "m"},
-                        {"contrast_ratio", o.ratio}};
+                        {"contrast_ratio", o.ratio},
+                        {"theory", streams ? "streams" : "two fluxes"}};
   if (o.solids > 0 && palette.relative)
     throw Error(
         "--solids: a spreading rate needs K and S per metre, of drawdowns with a thickness; those of this palette "
@@ -93,10 +102,21 @@ int hide(const HideOptions& o) {
   for (std::size_t i = 0; i < palette.nm.size(); ++i) {
     if (palette.nm[i] < next) continue;
     while (next <= palette.nm[i]) next += o.step;
-    const double deep = paint[i].s > 0 ? pigment::opaque_reflectance(paint[i].ratio()) : 0;
-    const double covers = pigment::hiding_thickness(paint[i], palette.surface, o.ratio, o.black, o.white);
-    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:9.5f}  {}\n", palette.nm[i], paint[i].k, paint[i].s,
-               pigment::outer_reflectance(palette.surface, deep), thickness_text(covers));
+    const auto at = [&](double x) { return pigment::light_of(*streams->theory(), paint[i], shifts[i], x); };
+    double deep = 0, covers = INFINITY;
+    if (streams) {
+      deep = at(INFINITY).seen;
+      const double rate_here = paint[i].k + paint[i].s;
+      if (rate_here > 0)
+        covers = pigment::hiding_thickness(
+            [&](double x) { return at(x).over(o.black) / at(x).over(o.white); }, 1 / rate_here, o.ratio);
+    } else {
+      deep = pigment::outer_reflectance(palette.surface,
+                                        paint[i].s > 0 ? pigment::opaque_reflectance(paint[i].ratio()) : 0);
+      covers = pigment::hiding_thickness(paint[i], palette.surface, o.ratio, o.black, o.white);
+    }
+    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:9.5f}  {}\n", palette.nm[i], paint[i].k, paint[i].s, deep,
+               thickness_text(covers));
     out["wavelengths"].push_back(
         {{"nm", palette.nm[i]},
          {"k", paint[i].k},

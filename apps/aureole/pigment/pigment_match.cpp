@@ -132,7 +132,9 @@ std::vector<double> read_prices(const std::string& file, const pigment::Palette&
 /// them, unless options give an interface.
 void take_geometry(ColourTarget& wanted, SurfaceOptions& surface) {
   if (wanted.instrument.geometry.empty()) return;
-  const bool is_given = surface.given(), has_interface = wanted.palette.surface.through < 1;
+  const bool is_given = surface.given(),
+             has_interface = wanted.palette.surface.through < 1 ||
+                             (wanted.palette.streams && wanted.palette.streams->index > 1);
   if (!is_given && !has_interface) {
     tell(
         "note: {}: was measured at the geometry {}; that has no effect, since this palette has no interface\n",
@@ -141,7 +143,7 @@ void take_geometry(ColourTarget& wanted, SurfaceOptions& surface) {
   }
   surface.take(wanted.instrument, wanted.file);
   if (is_given) return;
-  wanted.palette.surface = surface.surface();
+  surface.set(wanted.palette, wanted.file);
   tell(
       "note: recipes are predicted with this interface instead of the palette's; --geometry states another\n");
 }
@@ -188,15 +190,15 @@ int match(MatchOptions o) {
     throw Error(e.what());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!found.empty())
+  if (!found.empty() && !palette.streams)
     note_two_flux_doubt(palette, pigment::mix(palette, found.front().fractions), settings.thickness,
                         o.substrate, o.surface.index, lamp, "the first recipe");
   const bool spectral = !wanted.target.reflectance.empty();
 
   const pigment::Lab& lab = wanted.target.lab;
-  fmt::print("{}: L* {:.2f}  a* {:.2f}  b* {:.2f} under {}; {} paints, at most {} of them, {:.2f} s\n\n",
-             o.target, lab.l, shown(lab.a), shown(lab.b), viewing, palette.pigments.size(), o.paints,
-             seconds);
+  fmt::print("{}: L* {:.2f}  a* {:.2f}  b* {:.2f} under {}; {} paints{}, at most {} of them, {:.2f} s\n\n",
+             o.target, lab.l, shown(lab.a), shown(lab.b), viewing, palette.pigments.size(),
+             palette.streams ? ", by streams" : "", o.paints, seconds);
   fmt::print("{:>9}", viewing);
   if (spectral) {
     for (const auto& other : others) fmt::print("{:>9}", other.name());
@@ -207,8 +209,10 @@ int match(MatchOptions o) {
   if (has_layer) fmt::print("{:>9}", "contrast");
   fmt::print("{:>9}", "dosing");
   fmt::print("  {:<9}recipe\n", "colour");
-  nlohmann::json out = {
-      {"target", {lab.l, lab.a, lab.b}}, {"illuminant", viewing}, {"solutions", nlohmann::json::array()}};
+  nlohmann::json out = {{"target", {lab.l, lab.a, lab.b}},
+                        {"illuminant", viewing},
+                        {"theory", palette.streams ? "streams" : "two fluxes"},
+                        {"solutions", nlohmann::json::array()}};
   for (const pigment::Match& m : found) {
     const auto recipe = components_of(palette, m.fractions);
     fmt::print("{:9.3f}", m.difference);

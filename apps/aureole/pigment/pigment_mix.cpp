@@ -42,21 +42,9 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
-/// Returns the palette of the model with streams, with its interface replaced by the one that options state.
-pigment::Palette with_interface(pigment::Palette palette, const SurfaceOptions& surface) {
-  if (!surface.given()) return palette;
-  pigment::PaletteStreams& s = *palette.streams;
-  s.index = surface.geometry == "none" ? 1 : surface.index;
-  if (surface.geometry != "none")
-    s.geometry = pigment::geometry_called(surface.geometry), s.specular = surface.light();
-  return palette;
-}
-
 int mix(const MixOptions& o) {
   o.surface.note_unused();
-  // Whether streams can be used, which need a smooth interface given by an index.
-  const bool may_be_streams = o.surface.k1 < 0 && o.surface.k2 < 0 && o.surface.alpha == 0;
-  const pigment::Palette palette = usable_palette(o.layer.palette, o.surface, may_be_streams);
+  const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
   const double thickness = thickness_for(palette, o.layer.thickness);
@@ -64,7 +52,7 @@ int mix(const MixOptions& o) {
   const double substrate[] = {o.substrate};
   const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
   std::optional<pigment::StreamsMixture> streams;
-  if (palette.streams && may_be_streams) streams.emplace(with_interface(palette, o.surface), for_ranges);
+  if (palette.streams) streams.emplace(palette, for_ranges);
   const auto reflectance = [&](const std::vector<double>& f) {
     if (streams) return streams->reflectance(f, thickness, substrate);
     return pigment::paint_reflectance(pigment::mix(palette, f), thickness, substrate, palette.surface);

@@ -53,6 +53,19 @@ pigment::Surface SurfaceOptions::surface() const {
   return {};
 }
 
+void SurfaceOptions::set(pigment::Palette& palette, const std::string& file) const {
+  palette.surface = surface();
+  if (!palette.streams) return;
+  if (k1 >= 0 || alpha > 0) {
+    tell("note: {}: {}\n", file, pigment::theory_note(palette));
+    palette.streams.reset();
+    return;
+  }
+  palette.streams->index = geometry == "none" ? 1 : index;
+  if (geometry != "none")
+    palette.streams->geometry = pigment::geometry_called(geometry), palette.streams->specular = light();
+}
+
 void SurfaceOptions::take(const pigment::Instrument& instrument, const std::string& file, bool is_taken_off) {
   if (instrument.geometry.empty()) return;
   const bool says_specular = !instrument.specular.empty() && instrument.geometry != "45_0";
@@ -100,8 +113,8 @@ std::string SurfaceOptions::stated(const pigment::Instrument& instrument) {
 
 std::string SurfaceOptions::specular_text() const { return specular.empty() ? "excluded" : specular; }
 
-void SurfaceOptions::note_unused() const {
-  if (index != SurfaceOptions().index && (k1 >= 0 || !given() || geometry == "none"))
+void SurfaceOptions::note_unused(bool fits_streams) const {
+  if (index != SurfaceOptions().index && ((k1 >= 0 && !fits_streams) || !given() || geometry == "none"))
     tell("note: --index: has no effect {}\n",
          k1 >= 0 ? "with --k1 and --k2" : "without an interface (--geometry)");
   if (k1 >= 0 && alpha > 0) tell("note: --alpha: has no effect with --k1 and --k2\n");
@@ -187,14 +200,11 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add("--json", json, "also write the results to this file").names_output();
 }
 
-pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface,
-                                bool predicts_by_streams) {
+pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface) {
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
     tell("note: {}: {} negative values of K and S count as zero\n", file, count);
-  if (const std::string note = pigment::theory_note(palette); !note.empty() && !predicts_by_streams)
-    tell("note: {}: {}\n", file, note);
-  if (surface.given()) palette.surface = surface.surface();
+  if (surface.given()) surface.set(palette, file);
   return palette;
 }
 

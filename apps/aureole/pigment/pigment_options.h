@@ -26,13 +26,16 @@ struct SurfaceOptions {
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
   /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
-  /// Takes the geometry and the specular component that a file of measurements states, unless options give
-  /// them; notes the values that it takes. `is_taken_off` states whether the interface is removed from
-  /// reflectances; otherwise only K/S is used.
+  /// The palette with the given interface. A palette by streams keeps its theory where this interface is smooth with an
+  /// index; under another one its K and S are used by two fluxes, with a note.
+  void set(pigment::Palette& palette, const std::string& file) const;
+  /// Takes the geometry and the specular component that a file of measurements states, unless options give them; notes
+  /// what is taken.
+  /// `is_taken_off` says whether reflectances are used without the interface; otherwise only K/S is.
   void take(const pigment::Instrument& instrument, const std::string& file, bool is_taken_off = true);
-  /// Notes options that have no effect beside the others.
-  void note_unused() const;
-  /// Returns a geometry that a file states in words, such as "d8, specular included".
+  /// Notes options that have no effect beside the others. A theory by streams has the index beside k1 and k2.
+  void note_unused(bool fits_streams = false) const;
+  /// A geometry that a file states, in words: "d8, specular included".
   static std::string stated(const pigment::Instrument& instrument);
   /// Returns "included" or "excluded", with the default applied.
   std::string specular_text() const;
@@ -70,10 +73,8 @@ struct LayerOfPaint {
 };
 
 /// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
-/// if one is given. Notes K and S by streams, unless the caller predicts by them. The caller notes options of
-/// the interface that have no effect.
-pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface,
-                                bool predicts_by_streams = false);
+/// if one is given (`SurfaceOptions::set`). What options of the interface have no effect is for the caller to note.
+pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
 
 /// Notes where two fluxes are expected to be off by a visible colour difference for a layer (`two_flux_doubt`). `whose`
 /// names the layer: "this layer". `index` is the index of refraction of the binder, where the palette has an

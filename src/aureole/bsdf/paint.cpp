@@ -3,7 +3,9 @@
 // substrate, with Saunderson's correction for the interface between binder and air, smooth or rough:
 //     f = f_interface + T(i) T(o) / (pi eta^2) * R / (1 - k2 R).
 // R = R(K, S, thickness, substrate) is the reflectance within the binder, T the interface's directional
-// transmittance, and k2 its reflectance for diffuse light from inside. The interface is lossless.
+// transmittance, and k2 its reflectance for diffuse light from inside. The interface is lossless. For a palette that was
+// fitted by streams, R is the reflectance with which the coat has the colour that streams predict for the instrument of the
+// palette's measurements.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,9 +13,11 @@
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/microfacet/rough_coating.h"
 #include "aureole/bsdf/parameter/scalar_texture.h"
+#include "aureole/core/parallel.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/parameter/palette_file.h"
+#include "aureole/pigment/streams_mixture.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
@@ -129,7 +133,8 @@ private:
     }
     const Spectrum r = uniform_->r.eval(w);
     if (opaque_) return {r, 1.f};
-    const Spectrum denominator = max(Spectrum(1.f) - r * below, 1e-7f);
+    const Spectrum back = uniform_->back ? uniform_->back->eval(w) : r,
+                   denominator = max(Spectrum(1.f) - back * below, 1e-7f);
     return {r * denominator + uniform_->t2.eval(w) * below, denominator};
   }
 
@@ -179,8 +184,7 @@ private:
 
   /// Tabulates the layer if neither amounts nor thickness vary; the substrate may vary.
   void tabulate_uniform(const SpectralGrid& grid) {
-    if (thickness_factor_.minimum() < thickness_factor_.maximum() || blend_.minimum() < blend_.maximum())
-      return;
+    if (varies()) return;
     const auto table = [&](const auto& value) {
       return SampledSpectrum::from_function(grid, [&](double nm) {
         const Wavelengths w = Wavelengths::at(grid, Spectrum(float(nm)));
@@ -197,7 +201,41 @@ private:
                 opaque_ ? SampledSpectrum() : table([&](const Coefficients& c, float x) {
                   const Film f(c, x);
                   return f.decay * 4.f / (f.sum() * f.sum());
-                })};
+                }),
+                {}};
+  }
+
+  /// Whether amounts or thickness vary over the surface.
+  bool varies() const {
+    return thickness_factor_.minimum() < thickness_factor_.maximum() || blend_.minimum() < blend_.maximum();
+  }
+
+  /// Tabulates a uniform layer as streams predict it, within the smooth interface of the palette's measurements.
+  void tabulate_by_streams(const Properties& properties, const pigment::Palette& palette,
+                           const std::vector<double>& fractions, double thickness) {
+    pigment::Palette measured = palette;
+    pigment::PaletteStreams& by = *measured.streams;
+    by.specular = pigment::Specular::excluded;
+    const bool has_g = std::any_of(palette.pigments.begin(), palette.pigments.end(),
+                                   [](const pigment::Pigment& p) { return p.g.has_value(); });
+    const auto theory = properties.shared_model<pigment::FilmTheory>(
+        {by.index, by.g, double(by.geometry), double(has_g)},
+        [&] { return pigment::theory_of(measured, for_ranges); });
+    if (!theory) return;
+    const pigment::Surface surface =
+        by.index > 1 ? pigment::smooth_surface(by.index, by.geometry, by.specular) : pigment::Surface();
+    const pigment::Paint paint = pigment::mix(palette, fractions);
+    const std::vector<double> shifts = pigment::g_shifts(palette, fractions);
+    std::vector<pigment::InnerFilm> films;
+    for (std::size_t i = 0; i < paint.size(); ++i)
+      films.push_back(
+          pigment::inner_film(pigment::light_of(*theory, paint[i], shifts[i], thickness), surface));
+    const auto table = [&](double pigment::InnerFilm::*of) {
+      return sampled_values(properties.context().grid, palette.nm,
+                            [&, of](std::size_t i) { return films[i].*of; });
+    };
+    uniform_ = {table(&pigment::InnerFilm::reflectance), table(&pigment::InnerFilm::transmittance2),
+                table(&pigment::InnerFilm::back)};
   }
 
   void read_interface(const Properties& properties) {
@@ -235,8 +273,9 @@ private:
       throw properties.error("palette", e.what());
     }
     note_palette_range(properties, properties.has("palette") ? "palette" : "recipe", palette);
-    if (const std::string note = pigment::theory_note(palette); !note.empty())
-      properties.note("palette", note);
+    if (const std::string note = pigment::theory_note(palette); !note.empty() && varies())
+      properties.note("palette",
+                      note + "; paints whose amounts and thickness are constant are predicted by streams");
     if (const int count = pigment::clamp_negative(palette))
       properties.note("palette", std::to_string(count) + " negative values of K and S count as zero");
     opaque_ = !properties.has("thickness");
@@ -245,10 +284,14 @@ private:
       thickness = properties.get_float("thickness", Range::positive());
     else if (!opaque_)
       thickness = properties.get_length_m("thickness", 0);
+    std::vector<double> recipe;
     const auto read = [&](const char* name) {
       try {
         const auto fractions = recipe_fractions(palette, properties.get_string(name),
                                                 properties.get_bool("by_volume", false), name);
+        const double share = recipe.empty() ? 1 : double(blend_.minimum());  // of the second recipe
+        recipe.resize(fractions.size());
+        for (std::size_t p = 0; p < recipe.size(); ++p) recipe[p] += share * (fractions[p] - recipe[p]);
         return sampled_paint(properties.context().grid, palette, fractions, thickness);
       } catch (const Error& e) {
         throw properties.error(name, e.message());
@@ -271,13 +314,18 @@ private:
     for (const char* name : {"thickness_factor", "substrate", "bsdf"})
       if (opaque_ && (properties.has(name) || (substrate_bsdf_ && name == std::string_view("bsdf"))))
         properties.note(name, "has no effect: without a thickness the paint is opaque");
-    tabulate_uniform(properties.context().grid);
+    if (palette.streams && !varies())
+      tabulate_by_streams(properties, palette, recipe,
+                          opaque_ ? INFINITY : thickness * double(thickness_factor_.minimum()));
+    else
+      tabulate_uniform(properties.context().grid);
   }
 
   ScalarTexture thickness_factor_, blend_;
   std::optional<SampledPaint> first_, second_;
   struct UniformLayer {
     SampledSpectrum r, t2;
+    std::optional<SampledSpectrum> back;  ///< reflectance from below, where it is not `r`
   };
   std::optional<UniformLayer> uniform_;
   bool opaque_ = true;

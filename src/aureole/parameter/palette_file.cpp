@@ -49,17 +49,22 @@ void note_palette_range(const Properties& properties, std::string_view name,
     note_data_range(properties, name, "K and S of the palette", {palette.nm.front(), palette.nm.back()});
 }
 
+SampledSpectrum sampled_values(const SpectralGrid& grid, const std::vector<double>& nm,
+                               const std::function<double(std::size_t)>& value) {
+  return SampledSpectrum::from_function(grid, [&](double wavelength) {
+    const auto above = std::upper_bound(nm.begin(), nm.end(), wavelength) - nm.begin();
+    const std::size_t j = std::min(std::size_t(above), nm.size() - 1),
+                      i = above == 0 ? 0 : std::size_t(above) - 1;
+    const double t = j > i ? (wavelength - nm[i]) / (nm[j] - nm[i]) : 0;
+    return std::lerp(value(i), value(j), t);
+  });
+}
+
 SampledPaint sampled_paint(const SpectralGrid& grid, const pigment::Palette& palette,
                            const std::vector<double>& fractions, double factor) {
   const pigment::Paint paint = pigment::mix(palette, fractions);
   const auto table = [&](double pigment::Coefficients::*of) {
-    return SampledSpectrum::from_function(grid, [&, of](double nm) {
-      const auto above = std::upper_bound(palette.nm.begin(), palette.nm.end(), nm) - palette.nm.begin();
-      const std::size_t j = std::min(std::size_t(above), palette.nm.size() - 1),
-                        i = above == 0 ? 0 : std::size_t(above) - 1;
-      const double t = j > i ? (nm - palette.nm[i]) / (palette.nm[j] - palette.nm[i]) : 0;
-      return factor * std::lerp(paint[i].*of, paint[j].*of, t);
-    });
+    return sampled_values(grid, palette.nm, [&, of](std::size_t i) { return factor * (paint[i].*of); });
   };
   return {table(&pigment::Coefficients::k), table(&pigment::Coefficients::s)};
 }

@@ -26,12 +26,15 @@ std::vector<double> recipe_fractions(const pigment::Palette& palette, const std:
 /// Notes, at the parameter that named the palette, where the film's range exceeds its wavelengths.
 void note_palette_range(const Properties& properties, std::string_view name, const pigment::Palette& palette);
 
-/// Coefficients K and S (Kubelka and Munk) on a scene's grid.
+/// Values at increasing wavelengths on a scene's grid: linear between the wavelengths, constant beyond them.
+SampledSpectrum sampled_values(const SpectralGrid& grid, const std::vector<double>& nm,
+                               const std::function<double(std::size_t)>& value);
+
+/// K and S on a scene's grid.
 struct SampledPaint {
   SampledSpectrum k, s;
 };
-/// Returns K and S of a mixture times a factor: linear between the palette's wavelengths, constant beyond
-/// them.
+/// Returns K and S of a mixture times a factor (`sampled_values`).
 SampledPaint sampled_paint(const SpectralGrid& grid, const pigment::Palette& palette,
                            const std::vector<double>& fractions, double factor);
 

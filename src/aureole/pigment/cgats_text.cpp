@@ -230,6 +230,8 @@ SampleTable samples_of(const Table& t) {
              series = t.find("SERIES"), specimen = t.find("SPECIMEN");
   SampleTable table;
   table.instrument = instrument_called(t.keyword("MEASUREMENT_GEOMETRY"));
+  for (const char* keyword : {"MEASUREMENT_APERTURE", "APERTURE", "APERTURE_SIZE"})
+    if (table.instrument.aperture.empty()) table.instrument.aperture = t.keyword(keyword);
   for (const Column& c : columns) table.nm.push_back(c.nm);
   for (const TextRow& row : t.rows) {
     Sample& s = table.samples.emplace_back();
@@ -246,7 +248,7 @@ SampleTable samples_of(const Table& t) {
     } catch (const std::domain_error& e) {
       fail(paints ? paints : named, e.what());
     }
-    s.name = named ? at(named) : recipe;
+    s.name = named ? at(named) : recipe, s.is_named_recipe = !paints;
     const std::string kind = upper_case(at(quantity));
     if (kind == "T")
       s.quantity = Sample::Quantity::transmittance;

@@ -68,6 +68,14 @@ public:
     return seen(r);
   }
 
+  FilmLight light(const FilmLayer& of) const override {
+    // With an inner reflectance Rg of the card, R = R0 + T^2 Rg/(1 - R0 Rg) and the outer one is seen + through R/(1 - k2 R).
+    const LayerTransfer t = layer({std::exp(of.ln_k), std::exp(of.ln_s)}, 1);
+    const double open = 1 - surface_.k2 * t.reflectance, t2 = t.transmittance * t.transmittance;
+    return {surface_.seen + surface_.through * t.reflectance / open, surface_.through * t2 / (open * open),
+            t.reflectance + surface_.k2 * t2 / open};
+  }
+
   FilmValue free_reflectance(const FilmLayer& layer) const override { return free(layer, true); }
   FilmValue free_transmittance(const FilmLayer& layer) const override { return free(layer, false); }
 
@@ -144,6 +152,9 @@ public:
     gloss_ = settings.specular == Specular::included && settings.geometry != Geometry::angle_45_0
                  ? reflected()
                  : 0;
+    for (int table = first_g_; table <= last_g_; ++table)
+      for (int i = 0; i < kRatios; ++i)
+        opaque_.push_back(at_the_end(kFirstRatio + kStep * i, kStepG * table));
   }
 
   std::string name() const override { return "streams"; }
@@ -169,11 +180,63 @@ public:
   }
 
   FilmValue opaque(const FilmLayer& layer) const override {
-    const double shift = std::min(kLastS - layer.ln_s, kLastK - layer.ln_k);
-    FilmValue r = over({layer.ln_k + shift, layer.ln_s + shift, layer.g_shift}, 0);
-    // The reflectance depends on K/S alone; the table's remaining dependence on thickness is removed.
-    r.by_ln_k = 0.5 * (r.by_ln_k - r.by_ln_s), r.by_ln_s = -r.by_ln_k, r.by_substrate = 0;
+    const double ratio = layer.ln_k - layer.ln_s,
+                 x = (std::clamp(ratio, kFirstRatio, kLastRatio) - kFirstRatio) / kStep;
+    const int i = std::clamp(int(x), 0, kRatios - 2);
+    double wx[4], dx[4];
+    weights(x - i, wx, dx);
+    FilmValue r;
+    const auto add = [&](int table, double weight, double slope) {
+      const double* of_table = opaque_.data() + std::ptrdiff_t(table - first_g_) * kRatios;
+      for (int n = 0; n < 4; ++n) {
+        const double value = of_table[std::clamp(i + n - 1, 0, kRatios - 1)];
+        r.value += weight * wx[n] * value, r.by_ln_k += weight * dx[n] * value / kStep;
+        r.by_g_shift += slope * wx[n] * value;
+      }
+    };
+    if (first_g_ == last_g_) {
+      add(0, 1, 0);
+    } else {
+      const TablesOfG tables = tables_of(layer.g_shift);
+      for (int n = 0; n < 4; ++n)
+        add(tables.index[n], tables.weight[n], tables.is_within ? tables.slope[n] / kStepG : 0);
+    }
+    r.by_ln_s = -r.by_ln_k;  // the reflectance depends on K/S alone
     return r;
+  }
+
+  FilmLight light(const FilmLayer& layer) const override {
+    std::array<double, 4> v{};
+    if (first_g_ == last_g_) {
+      v = values(layer.ln_k, layer.ln_s, 0);
+    } else {
+      const TablesOfG tables = tables_of(layer.g_shift);
+      for (int a = 0; a < 4; ++a) {
+        if (tables.weight[a] == 0) continue;
+        const std::array<double, 4> one = values(layer.ln_k, layer.ln_s, tables.index[a]);
+        for (std::size_t c = 0; c < 4; ++c) v[c] += tables.weight[a] * one[c];
+      }
+    }
+    return {gloss_ + std::exp(v[0]), std::exp(v[1] + v[2]), v[3]};
+  }
+
+  double opaque_value(const FilmLayer& layer) const override {
+    const double x = (std::clamp(layer.ln_k - layer.ln_s, kFirstRatio, kLastRatio) - kFirstRatio) / kStep;
+    const int i = std::clamp(int(x), 0, kRatios - 2);
+    double wx[4], dx[4];
+    weights(x - i, wx, dx);
+    const auto row = [&](int table) {
+      const double* of_table = opaque_.data() + std::ptrdiff_t(table - first_g_) * kRatios;
+      double sum = 0;
+      for (int a = 0; a < 4; ++a) sum += wx[a] * of_table[std::clamp(i + a - 1, 0, kRatios - 1)];
+      return sum;
+    };
+    if (first_g_ == last_g_) return row(0);
+    const TablesOfG tables = tables_of(layer.g_shift);
+    double value = 0;
+    for (int a = 0; a < 4; ++a)
+      if (tables.weight[a] != 0) value += tables.weight[a] * row(tables.index[a]);
+    return value;
   }
 
   FilmValue free_reflectance(const FilmLayer&) const override { return no_free_film(); }
@@ -187,6 +250,9 @@ private:
   /// of 1 - g.
   static constexpr double kStepG = 0.3, kLeastIsotropy = 0.05, kMostIsotropy = 1.3;
   static constexpr int kMostSteps = 4;
+  /// Bounds of ln(K/S) in the table of opaque layers.
+  static constexpr double kFirstRatio = kFirstK - kLastS, kLastRatio = kLastK - kFirstS;
+  static constexpr int kRatios = int((kLastRatio - kFirstRatio) / kStep) + 1;
 
   using Node = std::array<float, 4>;  ///< ln body, ln down, ln up, and inside of `FilmParts`
   struct Interpolated {
@@ -266,32 +332,83 @@ private:
     return r;
   }
 
+  /// Reflectance of a layer with this ln(K/S) at the end of the tables, where it is opaque.
+  double at_the_end(double ratio, double g_shift) const {
+    const double ln_s = std::min(kLastS, kLastK - ratio);
+    return over({ln_s + ratio, ln_s, g_shift}, 0).value;
+  }
+
+  /// The values of `at` alone.
+  std::array<double, 4> values(double ln_k, double ln_s, int table) const {
+    const double x = (std::clamp(ln_k, kFirstK, kLastK) - kFirstK) / kStep,
+                 y = (std::clamp(ln_s, kFirstS, kLastS) - kFirstS) / kStep;
+    const int i = std::clamp(int(x), 0, kAcross - 2), j = std::clamp(int(y), 0, kDown - 2);
+    const Node* nodes = nodes_.data() + std::size_t(table - first_g_) * kAcross * kDown;
+    double wx[4], wy[4], unused[4];
+    weights(x - i, wx, unused), weights(y - j, wy, unused);
+    std::array<double, 4> sum{};
+    for (int a = 0; a < 4; ++a) {
+      const Node* row = nodes + std::size_t(std::clamp(i + a - 1, 0, kAcross - 1) * kDown);
+      std::array<double, 4> across{};
+      for (int b = 0; b < 4; ++b) {
+        const Node& node = row[std::clamp(j + b - 1, 0, kDown - 1)];
+        for (std::size_t c = 0; c < 4; ++c) across[c] += wy[b] * double(node[c]);
+      }
+      for (std::size_t c = 0; c < 4; ++c) sum[c] += wx[a] * across[c];
+    }
+    return sum;
+  }
+
+  /// The tables next to a mean cosine, and their weights in a cubic polynomial.
+  struct TablesOfG {
+    int index[4];
+    double weight[4], slope[4];
+    bool is_within = true;  ///< whether the mean cosine is one of those tabulated
+  };
+  TablesOfG tables_of(double g_shift) const {
+    const double wanted = g_shift / kStepG, z = std::clamp(wanted, double(first_g_), double(last_g_));
+    const int base = std::clamp(int(std::floor(z)), first_g_, last_g_ - 1);
+    TablesOfG t;
+    weights(z - base, t.weight, t.slope);
+    for (int a = 0; a < 4; ++a) t.index[a] = std::clamp(base + a - 1, first_g_, last_g_);
+    t.is_within = z == wanted;
+    return t;
+  }
+
   Interpolated at(const FilmLayer& layer) const {
     if (first_g_ == last_g_) return at(layer.ln_k, layer.ln_s, 0);
-    const double wanted = layer.g_shift / kStepG, z = std::clamp(wanted, double(first_g_), double(last_g_));
-    const int base = std::clamp(int(std::floor(z)), first_g_, last_g_ - 1);
-    double wz[4], dz[4];
-    weights(z - base, wz, dz);
+    const TablesOfG tables = tables_of(layer.g_shift);
     Interpolated r{};
     for (int a = 0; a < 4; ++a) {
-      if (wz[a] == 0 && dz[a] == 0) continue;
-      const Interpolated one = at(layer.ln_k, layer.ln_s, std::clamp(base + a - 1, first_g_, last_g_));
+      const double weight = tables.weight[a], slope = tables.slope[a];
+      if (weight == 0 && slope == 0) continue;
+      const Interpolated one = at(layer.ln_k, layer.ln_s, tables.index[a]);
       for (std::size_t c = 0; c < 4; ++c) {
-        r.value[c] += wz[a] * one.value[c];
-        r.by_k[c] += wz[a] * one.by_k[c], r.by_s[c] += wz[a] * one.by_s[c];
-        if (z == wanted) r.by_g[c] += dz[a] * one.value[c] / kStepG;
+        r.value[c] += weight * one.value[c];
+        r.by_k[c] += weight * one.by_k[c], r.by_s[c] += weight * one.by_s[c];
+        if (tables.is_within) r.by_g[c] += slope * one.value[c] / kStepG;
       }
     }
     return r;
   }
 
   StreamsSettings settings_;
-  int first_g_ = 0, last_g_ = 0;  ///< first and last table, in steps of ln(1 - g) from the g of the settings
-  std::vector<Node> nodes_;       ///< values by table, ln K, ln S
+  int first_g_ = 0, last_g_ = 0;  ///< tables, in steps of ln(1 - g) from the theory's own g
+  std::vector<Node> nodes_;       ///< by table, ln K, ln S
+  std::vector<double> opaque_;    ///< reflectances of opaque layers, by table and ln(K/S)
   double bare_ = 1, bare_inside_ = 0, gloss_ = 0;
 };
 
 }  // namespace
+
+InnerFilm inner_film(const FilmLight& light, const Surface& surface) {
+  // The outer reflectance is seen + (a + b g)/(1 - inside g) with the interface's own `surface.seen` in `seen`, and the inner
+  // one is o/(through + k2 o) of the rest o = (a + b g)/(1 - inside g).
+  const double a = std::max(0.0, light.seen - surface.seen), b = light.pass - a * light.inside;
+  const double c = surface.through + surface.k2 * a, d = surface.k2 * b - surface.through * light.inside;
+  return {std::clamp(a / c, 0.0, 1.0), std::clamp((b * c - a * d) / (c * c), 0.0, 1.0),
+          std::clamp(-d / c, 0.0, 1.0)};
+}
 
 std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface) {
   return std::make_unique<TwoFlux>(surface);

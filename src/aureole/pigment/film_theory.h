@@ -42,6 +42,26 @@ struct FilmLayer {
   double g_shift = 0;
 };
 
+/// The light that an instrument receives from a film, as a function of the card below it.
+struct FilmLight {
+  double seen = 0;  ///< reflected by the interface and by the film, without the card
+  double pass =
+      0;  ///< fraction of the light that reaches the card, times that of the card's light that is received
+  double inside = 0;  ///< fraction of the card's light that the film and the interface send back to it
+  /// Reflectance over a card of this inner reflectance.
+  double over(double substrate) const { return seen + pass * substrate / (1 - inside * substrate); }
+};
+
+/// A film without the interface above it: its reflectance for diffuse light over a substrate of inner reflectance g is
+/// reflectance + transmittance2 g/(1 - back g).
+struct InnerFilm {
+  double reflectance = 0, transmittance2 = 0, back = 0;
+};
+/// The film whose light is this one under a Saunderson interface. Of two fluxes it has Kubelka and Munk's R, T^2 and R; of
+/// streams it makes two fluxes under the interface reflect as the streams do, over every card. Values outside [0, 1], by
+/// rounding or by an interface that is not that of the theory, are set to the limits.
+InnerFilm inner_film(const FilmLight& light, const Surface& surface);
+
 class FilmTheory {
 public:
   virtual ~FilmTheory() = default;
@@ -57,6 +77,10 @@ public:
   virtual FilmValue over(const FilmLayer& layer, double substrate) const = 0;
   /// Reflectance of a layer so thick that nothing below it matters; of K and S only K/S counts.
   virtual FilmValue opaque(const FilmLayer& layer) const = 0;
+  /// The light of a film over any card, without derivatives: for searches that evaluate millions of layers.
+  virtual FilmLight light(const FilmLayer& layer) const = 0;
+  /// The value of `opaque`, without derivatives.
+  virtual double opaque_value(const FilmLayer& layer) const { return opaque(layer).value; }
   /// Reflectance or transmittance of a free film with an interface on each side. Throws std::domain_error if the
   /// theory does not include free films.
   virtual FilmValue free_reflectance(const FilmLayer& layer) const = 0;

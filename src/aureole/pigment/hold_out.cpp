@@ -2,7 +2,10 @@
 #include "aureole/pigment/hold_out.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+
+#include "aureole/pigment/colour_difference.h"
 
 namespace aureole::pigment {
 namespace {
@@ -169,6 +172,32 @@ std::vector<HeldOut> hold_out_plain(const SampleTable& table, const FilmTheory& 
       if (!used.contains(s)) left_out.push_back(s);
     return JointFit(table, theory, JointSettings::plain(), left_out);
   });
+}
+
+std::map<std::string, double> held_out_differences(const SampleTable& table, const std::vector<HeldOut>& held,
+                                                   const Observation& lamp) {
+  std::map<std::string, double> all;
+  for (const HeldOut& h : held) {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < h.predictions.size(); ++i) {
+      const Sample& s = table.samples[h.samples[i]];
+      if (s.quantity != Sample::Quantity::reflectance) continue;
+      sum += ciede2000(lamp.lab(s.values), lamp.lab(h.predictions[i].values)), ++count;
+    }
+    if (count > 0) all[h.specimen] = sum / count;
+  }
+  return all;
+}
+
+double interval_coverage(const SampleTable& table, const std::vector<HeldOut>& held) {
+  int inside = 0, count = 0;
+  for (const HeldOut& h : held)
+    for (std::size_t i = 0; i < h.predictions.size(); ++i)
+      for (std::size_t l = 0; l < table.nm.size(); ++l, ++count)
+        inside += std::abs(h.predictions[i].values[l] - table.samples[h.samples[i]].values[l]) <=
+                  kNormal90 * h.predictions[i].error[l];
+  return count ? double(inside) / count : 0;
 }
 
 bool is_determined(const SampleTable& table, const std::string& specimen, const std::string& white,

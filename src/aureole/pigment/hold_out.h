@@ -2,11 +2,13 @@
 // Cross-validation of fits: specimens are kept back, the rest is fitted, and the specimens are predicted.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "aureole/core/parallel_for.h"
 #include "aureole/pigment/joint_fit.h"
+#include "aureole/pigment/observation.h"
 
 namespace aureole::pigment {
 
@@ -45,8 +47,16 @@ std::vector<HeldOut> hold_out_plain(const SampleTable& table, const FilmTheory& 
                                     const HoldOutGroups& groups, const std::string& white,
                                     const std::string& black, const ParallelFor& threads = serial_for);
 
-/// Whether the other specimens determine the scattering of each paint of a mixture: each paint, except
-/// `white` and `black`, is in another mixture with a paint that is not `black`.
+/// CIEDE2000 of predicted and measured colours of each specimen that was predicted, by name: the mean over its measured
+/// reflectances.
+std::map<std::string, double> held_out_differences(const SampleTable& table, const std::vector<HeldOut>& held,
+                                                   const Observation& lamp);
+
+/// Fraction of the measured values that lie within the 90 % intervals of their predictions, of predictions with errors.
+double interval_coverage(const SampleTable& table, const std::vector<HeldOut>& held);
+
+/// Whether the other specimens tell how each paint of a mixture scatters: each paint, except `white` and `black`,
+/// is in another mixture with a paint that is not `black`.
 bool is_determined(const SampleTable& table, const std::string& specimen, const std::string& white,
                    const std::string& black);
 

@@ -25,7 +25,8 @@ std::string specimen_key(const Sample& sample) {
 JointSettings JointSettings::plain() {
   JointSettings s;
   s.noise_relative = 0;
-  s.thickness = s.stated_thickness = s.dose = s.specific_volume = s.series_k = s.series_s = s.g = 0;
+  s.thickness = s.stated_thickness = s.dose = s.specific_volume = s.series_strength = s.series_k =
+      s.series_s = s.g = 0;
   s.step_k = s.step_s = std::numeric_limits<double>::infinity();
   s.level_k = s.level_s = 50;
   s.outlier_scale = 0;
@@ -187,7 +188,7 @@ double joint_fit_seconds(const SampleTable& table, const JointSettings& settings
     }
   }
   double local = 2 * double(paints.size());
-  for (const auto& [of_series, name] : variants) local += series[name] > 1 ? 2 : 0;
+  for (const auto& [of_series, name] : variants) local += series[name] > 1 ? 3 : 0;
   const double border = double(specimens.size() + paints.size()) + doses;
   // Number of operations of a step: factorisations of the blocks, their products with the border, and the
   // factorisation of the border.
@@ -224,34 +225,55 @@ ColumnMatrix border_covariance(JointSystem& s) {
 /// Relative error that stands for an unknown number: no interval excludes any value.
 constexpr double kUnknownError = 1e3;
 
-void JointFit::with_errors() {
+std::vector<PaintErrors> JointFit::errors(double noise_scale) {
   JointSystem& s = *system_;
-  factorise(s);
-  const Eigen::Index size = s.chain_.rows(), edge = s.border_.size(), columns = 2 * s.paints();
-  ratio_error_.assign(std::size_t(s.paints()), std::vector<double>(s.wavelengths_));
-  for (Pigment& p : palette_.pigments) p.k_error.resize(s.wavelengths_), p.s_error.resize(s.wavelengths_);
-  for (std::size_t l = 0; l < s.wavelengths_; ++l) {
-    std::vector<ColumnMatrix> chain(s.wavelengths_, ColumnMatrix::Zero(size, columns));
-    ColumnMatrix border = ColumnMatrix::Zero(edge, columns);
-    chain[l].topRows(columns).setIdentity();
-    s.factors_->solve(chain, border);
-    for (int p = 0; p < s.paints(); ++p) {
-      const int k = s.paint_unknown(p, 0), t = s.paint_unknown(p, 1);
-      const double kk = chain[l](k, k), ss = chain[l](t, t), ks = chain[l](k, t);
-      Pigment& pigment = palette_.pigments[std::size_t(p)];
-      pigment.k_error[l] = pigment.k[l] * std::sqrt(kk);
-      pigment.s_error[l] = pigment.s[l] * std::sqrt(ss);
-      ratio_error_[std::size_t(p)][l] = std::sqrt(std::max(0.0, kk + ss - 2 * ks));
-    }
-  }
-  for (const UnknownPaint& paint : unknown_paints()) {
-    if (paint.ratio_is_known) continue;
-    const std::size_t p = *palette_.find(paint.name);
-    Pigment& pigment = palette_.pigments[p];
+  // Factors of the equations with this noise; those with the stated noise are kept.
+  auto factors = std::move(s.factors_);
+  auto matrix = std::move(s.matrix_);
+  const auto restore = [&] { s.noise_scale_ = 1, s.factors_ = factors, s.matrix_ = matrix; };
+  s.noise_scale_ = noise_scale;
+  if (noise_scale == 1) restore();
+  std::vector<PaintErrors> all(std::size_t(s.paints()));
+  try {
+    factorise(s);
+    const Eigen::Index size = s.chain_.rows(), edge = s.border_.size(), columns = 2 * s.paints();
+    for (PaintErrors& e : all)
+      e.k.resize(s.wavelengths_), e.s.resize(s.wavelengths_), e.ratio.resize(s.wavelengths_);
     for (std::size_t l = 0; l < s.wavelengths_; ++l) {
-      pigment.k_error[l] = kUnknownError * pigment.k[l], pigment.s_error[l] = kUnknownError * pigment.s[l];
-      ratio_error_[p][l] = kUnknownError;
+      std::vector<ColumnMatrix> chain(s.wavelengths_, ColumnMatrix::Zero(size, columns));
+      ColumnMatrix border = ColumnMatrix::Zero(edge, columns);
+      chain[l].topRows(columns).setIdentity();
+      s.factors_->solve(chain, border);
+      for (int p = 0; p < s.paints(); ++p) {
+        const int k = s.paint_unknown(p, 0), t = s.paint_unknown(p, 1);
+        const double kk = chain[l](k, k), ss = chain[l](t, t), ks = chain[l](k, t);
+        PaintErrors& e = all[std::size_t(p)];
+        e.k[l] = std::sqrt(kk), e.s[l] = std::sqrt(ss),
+        e.ratio[l] = std::sqrt(std::max(0.0, kk + ss - 2 * ks));
+      }
     }
+  } catch (...) {
+    if (noise_scale != 1) restore();
+    throw;
+  }
+  if (noise_scale != 1) restore();
+  for (const UnknownPaint& paint : unknown_paints())
+    if (!paint.ratio_is_known) {
+      const std::vector<double> unknown(s.wavelengths_, kUnknownError);
+      all[*palette_.find(paint.name)] = {unknown, unknown, unknown};
+    }
+  return all;
+}
+
+void JointFit::with_errors() {
+  ratio_error_.clear();
+  const std::vector<PaintErrors> all = errors();
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    Pigment& pigment = palette_.pigments[p];
+    pigment.k_error = pigment.k, pigment.s_error = pigment.s;
+    for (std::size_t l = 0; l < pigment.k.size(); ++l)
+      pigment.k_error[l] *= all[p].k[l], pigment.s_error[l] *= all[p].s[l];
+    ratio_error_.push_back(all[p].ratio);
   }
 }
 

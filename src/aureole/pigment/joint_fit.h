@@ -26,15 +26,15 @@ struct JointSettings {
   /// Error of a measured reflectance R, the theory's own error included: noise and noise_relative R, added in
   /// squares. Repeats of a specimen over one card add their own standard deviation, in squares as well.
   double noise = 0.01, noise_relative = 0.05;
-  /// of the thickness of a specimen without a stated one, about the common thickness
-  double thickness = 0.15;
-  double stated_thickness = 0.03;           ///< of a stated thickness about the actual one
-  double dose = 0.1;                        ///< of each paint's amount in a mixture
-  double specific_volume = 0.5;             ///< of a paint's volume per mass, relative to the others
-  double g = 0;                             ///< of a paint's 1 - g about the theory's, if the theory has one
-  double series_k = 0.25, series_s = 0.25;  ///< of a paint's K and S in one series about its mean over series
-  double step_k = 0.7, step_s = 0.2;        ///< of the change of K and S over 10 nm
-  double level_k = 3, level_s = 1.5;        ///< of K and S about the levels 0.4 and 7 per film
+  double thickness = 0.15;         ///< of a specimen without a stated thickness, about the common one
+  double stated_thickness = 0.03;  ///< of a stated thickness
+  double dose = 0.1;               ///< of each paint's amount in a mixture
+  double specific_volume = 0.5;    ///< of a paint's volume per mass, relative to the others
+  double g = 0;                    ///< of a paint's 1 - g about the theory's, if the theory has one
+  /// A paint in one series about its mean over series: its strength, which K and S have in common, and K and S beside it.
+  double series_strength = 0.25, series_k = 0.1, series_s = 0.05;
+  double step_k = 0.7, step_s = 0.17;  ///< of the change of K and S over 10 nm
+  double level_k = 3, level_s = 1.5;   ///< of K and S about the levels 0.4 and 7 per film
   /// A specimen whose squared residuals are, on average, this many times the expected ones counts half. 0:
   /// all count alike.
   double outlier_scale = 9;
@@ -85,7 +85,15 @@ struct ResidualReport {
   double values = 0;  ///< number of measured values, by weights
 };
 
-/// Predicted values of a specimen.
+/// Half the width of a 90 % interval of a normal distribution, in standard deviations.
+inline constexpr double kNormal90 = 1.6449;
+
+/// Standard errors of ln K, ln S and ln(K/S) of a paint, by wavelength.
+struct PaintErrors {
+  std::vector<double> k, s, ratio;
+};
+
+/// A predicted specimen.
 struct JointPrediction {
   std::vector<double> values;  ///< reflectances at the table's wavelengths
   /// standard deviation of a new measurement about `values`; empty unless it was requested
@@ -109,6 +117,9 @@ public:
   /// Standard error of ln(K/S), by paint and wavelength; empty before `with_errors`.
   const std::vector<std::vector<double>>& ratio_error() const { return ratio_error_; }
   void with_errors();
+  /// Errors of each paint, in the palette's order, for a noise of measurements that is `noise_scale` times the stated one. With
+  /// `ResidualReport::relative` they are those that the residuals tell, which leave out the error of the theory.
+  std::vector<PaintErrors> errors(double noise_scale = 1);
 
   std::vector<SpecimenReport> specimens(bool with_errors = false) const;
   /// Volume per mass of each paint, relative to their mean, in the palette's order.

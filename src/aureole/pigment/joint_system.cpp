@@ -101,7 +101,7 @@ void JointSystem::collect(const std::vector<std::size_t>& left_out) {
   if (names_.empty()) throw std::domain_error("there are no samples with paints");
   metric_ = stated > 0;
   if (metric_) unit_ = std::exp(sum / stated);
-  if (settings_.series_k > kFixed || settings_.series_s > kFixed)
+  if (settings_.series_strength > kFixed || settings_.series_k > kFixed || settings_.series_s > kFixed)
     for (const auto& [series, paint] : pairs)
       if (series_of[paint] > 1) variants_.emplace_back(series, index_of(paint));
 
@@ -171,7 +171,7 @@ void JointSystem::set_scatter() {
 
 void JointSystem::set_priors() {
   const int variants = int(variants_.size()), cards = int(cards_.size());
-  const int size = 2 * (paints() + variants) + cards;
+  const int size = card_unknown(cards);
   chain_mean_ = JointVector::Zero(size), level_precision_ = chain_mean_;
   const double count = double(wavelengths_);
   for (int p = 0; p < paints(); ++p) {
@@ -188,7 +188,7 @@ void JointSystem::set_priors() {
     level_precision_[card_unknown(c)] = 1 / (sd * sd * count);
   }
   // Deviations in a series are a Markov chain over the wavelength with this correlation over 10 nm.
-  constexpr double kCorrelationK = 0.93, kCorrelationS = 0.97;
+  constexpr double kCorrelationK = 0.93, kCorrelationS = 0.97, kCorrelationStrength = 0.97;
   const auto set_variants = [&](double correlation, double sd, int which, double step_nm, JointVector& steps,
                                 JointVector* levels) {
     const double r = std::pow(correlation, step_nm / 10),
@@ -208,13 +208,15 @@ void JointSystem::set_priors() {
     for (int c = 0; c < cards; ++c) precision[card_unknown(c)] = 10 / (step * 0.3 * 0.3);
     set_variants(kCorrelationK, settings_.series_k, 0, step, precision, l == 0 ? &level_precision_ : nullptr);
     set_variants(kCorrelationS, settings_.series_s, 1, step, precision, l == 0 ? &level_precision_ : nullptr);
+    set_variants(kCorrelationStrength, settings_.series_strength, 2, step, precision,
+                 l == 0 ? &level_precision_ : nullptr);
     step_precision_.push_back(std::move(precision));
   }
   if (wavelengths_ == 1)
     for (int v = 0; v < variants; ++v)
-      for (const int which : {0, 1})
-        level_precision_[variant_unknown(v, which)] =
-            1 / std::pow(std::max(which == 0 ? settings_.series_k : settings_.series_s, kFixed), 2);
+      for (const auto& [which, sd] :
+           {std::pair{0, settings_.series_k}, {1, settings_.series_s}, {2, settings_.series_strength}})
+        level_precision_[variant_unknown(v, which)] = 1 / std::pow(std::max(sd, kFixed), 2);
 
   border_sd_ = JointVector::Constant(g_unknown(paints()), kFixed);
   for (std::size_t n = 0; n < specimens_.size(); ++n) {
@@ -246,7 +248,8 @@ JointSystem::Local JointSystem::evaluate(const Specimen& specimen, const Row& ro
     if (part.dose >= 0) ln += border[dose_unknown(part.dose)];
     double ln_k = ln + column[paint_unknown(part.paint, 0)], ln_s = ln + column[paint_unknown(part.paint, 1)];
     if (part.variant >= 0)
-      ln_k += column[variant_unknown(part.variant, 0)], ln_s += column[variant_unknown(part.variant, 1)];
+      ln_k += column[variant_unknown(part.variant, 0)] + column[variant_unknown(part.variant, 2)],
+          ln_s += column[variant_unknown(part.variant, 1)] + column[variant_unknown(part.variant, 2)];
     local.k.push_back(std::exp(ln_k)), local.s.push_back(std::exp(ln_s));
     k += local.k.back(), s += local.s.back();
   }
@@ -303,7 +306,8 @@ void JointSystem::derivatives(const Specimen& specimen, const Local& local, cons
     const double k = by_k * local.k[i];
     chain[paint_unknown(part.paint, 0)] += k, chain[paint_unknown(part.paint, 1)] += s;
     if (part.variant >= 0)
-      chain[variant_unknown(part.variant, 0)] += k, chain[variant_unknown(part.variant, 1)] += s;
+      chain[variant_unknown(part.variant, 0)] += k, chain[variant_unknown(part.variant, 1)] += s,
+          chain[variant_unknown(part.variant, 2)] += k + s;
     if (part.dose >= 0) border[dose_unknown(part.dose)] += k + s;
     const double fraction = part.fraction * std::exp(border_[volume_unknown(part.paint)]) / volume;
     border[volume_unknown(part.paint)] += k + s - fraction * (by_k + by_s);
@@ -383,7 +387,7 @@ void JointSystem::start_from(const JointSystem& other) {
   for (std::size_t v = 0; v < variants_.size(); ++v) {
     const auto& [series, paint] = variants_[v];
     const int from = other.variant_of(series, other.index_of(names_[std::size_t(paint)]));
-    for (const int which : {0, 1})
+    for (const int which : {0, 1, 2})
       if (from >= 0) block(variant_unknown(int(v), which), other.variant_unknown(from, which));
   }
   for (std::size_t n = 0; n < specimens_.size(); ++n)

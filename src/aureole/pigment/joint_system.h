@@ -24,8 +24,8 @@ constexpr double kFixed = 1e-6;
 
 /// The unknowns of a JointFit and its equations.
 ///
-/// The unknowns at one wavelength are ln K and ln S of every paint, their deviations in every series, and the
-/// logit of the reflectance of cards that were not measured. The border has ln(thickness) of every specimen, the
+/// The unknowns at one wavelength are ln K and ln S of every paint, their deviations in every series (of both together,
+/// the strength, and of each), and the logit of the reflectance of cards that were not measured. The border has ln(thickness) of every specimen, the
 /// logarithm of every amount in a mixture, the logarithm of every paint's specific volume, and the change of
 /// ln(1 - g) of every paint from the theory's.
 class JointSystem {
@@ -83,13 +83,15 @@ public:
   /// Standard deviation of a measurement of this reflectance. `scatter`, the standard deviation of repeats,
   /// is added in squares.
   double sigma(double reflectance, double scatter = 0) const {
-    return std::hypot(settings_.noise, settings_.noise_relative * reflectance, scatter);
+    return std::hypot(noise_scale_ * settings_.noise, noise_scale_ * settings_.noise_relative * reflectance,
+                      scatter);
   }
 
   int paints() const { return int(names_.size()); }
   int paint_unknown(int paint, int which) const { return 2 * paint + which; }
-  int variant_unknown(int variant, int which) const { return 2 * (paints() + variant) + which; }
-  int card_unknown(int card) const { return 2 * (paints() + int(variants_.size())) + card; }
+  /// `which`: the deviation of K, of S, or (2) of both together.
+  int variant_unknown(int variant, int which) const { return 2 * paints() + 3 * variant + which; }
+  int card_unknown(int card) const { return variant_unknown(int(variants_.size()), 0) + card; }
   int thickness_unknown(int specimen) const { return specimen; }
   int dose_unknown(int dose) const { return int(specimens_.size()) + dose; }
   int volume_unknown(int paint) const { return int(specimens_.size()) + doses_ + paint; }
@@ -104,6 +106,7 @@ public:
   const SampleTable& table_;
   const FilmTheory& theory_;
   JointSettings settings_;
+  double noise_scale_ = 1;  ///< factor of the stated noise
   std::size_t wavelengths_;
   std::vector<std::string> names_, cards_;
   /// pairs of series and paint, for paints in several series

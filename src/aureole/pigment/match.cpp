@@ -12,6 +12,7 @@
 
 #include "aureole/pigment/domain.h"
 #include "aureole/pigment/match_mixer.h"
+#include "aureole/pigment/streams_mixture.h"
 
 namespace aureole::pigment {
 namespace {
@@ -391,7 +392,7 @@ double Match::metamerism() const {
 
 std::vector<Match> match(const Palette& original, const MatchTarget& target, const Observation& lamp,
                          std::span<const Observation> others, const MatchSettings& settings,
-                         const ParallelFor& parallel_for) {
+                         const ParallelFor& parallel_for, std::shared_ptr<const FilmTheory> theory) {
   MatchProblem problem{original, target, {lamp}, settings};
   problem.lamps.insert(problem.lamps.end(), others.begin(), others.end());
   check(problem.palette);
@@ -401,6 +402,8 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
   clamp_negative(problem.palette);
   problem.settings = checked(problem.palette, target, settings);
   const auto levels = paint_sets(problem.settings);
+  if (problem.palette.streams)
+    problem.theory = theory ? std::move(theory) : theory_of(problem.palette, parallel_for);
   std::size_t count = 0;
   for (const auto& level : levels) count += level.size();
   const bool is_exhaustive = count <= kExhaustive;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "aureole/core/parallel_for.h"
+#include "aureole/pigment/film_theory.h"
 #include "aureole/pigment/observation.h"
 #include "aureole/pigment/paints.h"
 
@@ -81,11 +83,13 @@ struct Match {
 /// Amounts below `smallest` occur only where a paint's lower bound is positive and smaller. Negative K and S of the
 /// palette count as zero. More than four paints can match one colour in many ways, of which one is found. A least
 /// contrast ratio is a constraint, met by the method of multipliers (Nocedal & Wright, Numerical Optimization, 2006,
-/// algorithm 17.4). Throws std::domain_error for bounds that no recipe satisfies, for a contrast ratio that
-/// no recipe reaches, for more than two million sets, and for illuminants and targets whose wavelengths
-/// differ from the palette's.
+/// algorithm 17.4). Throws std::domain_error for bounds that no recipe satisfies, for a contrast ratio that none has,
+/// for more than two million sets, and for illuminants and targets whose wavelengths differ from the palette's.
+/// Recipes of a palette that was fitted by streams are predicted by streams: by `theory`, or, if that is null, by
+/// `theory_of` the palette.
 std::vector<Match> match(const Palette& palette, const MatchTarget& target, const Observation& lamp,
                          std::span<const Observation> others = {}, const MatchSettings& settings = {},
-                         const ParallelFor& parallel_for = serial_for);
+                         const ParallelFor& parallel_for = serial_for,
+                         std::shared_ptr<const FilmTheory> theory = {});
 
 }  // namespace aureole::pigment

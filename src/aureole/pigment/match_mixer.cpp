@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "aureole/pigment/streams_mixture.h"
+
 namespace aureole::pigment {
 namespace {
 
@@ -35,11 +37,12 @@ void solve(std::array<Shares, kMaxPaints>& a, Shares& b, std::size_t n) {
   }
 }
 
-/// `outer_reflectance` of `reflectance_over`, with one division and without checks: innermost loops call it.
-double seen_over(const Surface& surface, const LayerTransfer& layer, double below) {
-  const double open = 1 - layer.reflectance * below,
-               inner = layer.reflectance * open + layer.transmittance * layer.transmittance * below;
-  return surface.seen + surface.through * inner / (open - surface.k2 * inner);
+/// Light of a layer of two fluxes under an interface (`FilmLight`), without checks: innermost loops call it.
+FilmLight two_flux_light(const Surface& surface, const LayerTransfer& layer) {
+  const double open = 1 / (1 - surface.k2 * layer.reflectance),
+               pass = layer.transmittance * layer.transmittance * open;
+  return {surface.seen + surface.through * layer.reflectance * open, surface.through * pass * open,
+          layer.reflectance + surface.k2 * pass};
 }
 
 /// Means over groups of neighbours.
@@ -71,7 +74,10 @@ Mixer::Mixer(const MatchProblem& problem)
     : problem_(problem),
       k_(problem.palette.nm.size()),
       s_(problem.palette.nm.size()),
-      reflectance_(problem.palette.nm.size()) {}
+      g_shift_(problem.palette.nm.size()),
+      reflectance_(problem.palette.nm.size()) {
+  for (const Pigment& p : problem.palette.pigments) has_g_ = has_g_ || (problem.theory && p.g);
+}
 
 void Mixer::choose(std::vector<std::size_t> paints) {
   paints_ = std::move(paints);
@@ -102,6 +108,17 @@ void Mixer::mix(const Shares& shares) {
     const double *k = pigment.k.data(), *s = pigment.s.data();
     for (std::size_t i = 0; i < n; ++i) k_[i] += share * k[i], s_[i] += share * s[i];
   }
+  if (!has_g_) return;
+  // As `g_shifts`: sigma_s, proportional to S/(1 - g), add up like S.
+  std::fill(g_shift_.begin(), g_shift_.end(), 0.0);
+  for (std::size_t p = 0; p < paints_.size(); ++p) {
+    const Pigment& pigment = palette.pigments[paints_[p]];
+    const double share = (volume > 0 ? shares[p] / (pigment.density * volume) : shares[p]) *
+                         (pigment.g ? (1 - palette.streams->g) / (1 - *pigment.g) : 1);
+    for (std::size_t i = 0; i < n; ++i) g_shift_[i] += share * pigment.s[i];
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    g_shift_[i] = g_shift_[i] > 0 && s_[i] > 0 ? std::log(s_[i] / g_shift_[i]) : 0;
 }
 
 const std::vector<double>& Mixer::reflectance(const Shares& shares) {
@@ -112,7 +129,14 @@ const std::vector<double>& Mixer::reflectance(const Shares& shares) {
     find_layers();
     const std::vector<double>& below = problem_.settings.substrate;
     for (std::size_t i = 0; i < n; ++i)
-      reflectance_[i] = seen_over(surface, layers_[i], below.size() == 1 ? below[0] : below[i]);
+      reflectance_[i] = layers_[i].over(below.size() == 1 ? below[0] : below[i]);
+    return reflectance_;
+  }
+  if (problem_.theory) {
+    constexpr double kLeast = 1e-12;  // as `light_of`
+    for (std::size_t i = 0; i < n; ++i)
+      reflectance_[i] = problem_.theory->opaque_value(
+          {std::log(std::max(k_[i], kLeast) / std::max(s_[i], kLeast)), 0, g_shift_[i]});
     return reflectance_;
   }
   // R_inf = S/(K + S + gamma) under the interface, with one root and one division: this loop takes nearly
@@ -128,7 +152,10 @@ const std::vector<double>& Mixer::reflectance(const Shares& shares) {
 
 void Mixer::find_layers() {
   layers_.resize(k_.size());
-  for (std::size_t i = 0; i < k_.size(); ++i) layers_[i] = layer({k_[i], s_[i]}, problem_.settings.thickness);
+  const double thickness = problem_.settings.thickness;
+  for (std::size_t i = 0; i < k_.size(); ++i)
+    layers_[i] = problem_.theory ? light_of(*problem_.theory, {k_[i], s_[i]}, g_shift_[i], thickness)
+                                 : two_flux_light(problem_.palette.surface, layer({k_[i], s_[i]}, thickness));
 }
 
 double Mixer::contrast(const Shares& shares) {
@@ -138,12 +165,11 @@ double Mixer::contrast(const Shares& shares) {
 }
 
 double Mixer::contrast_of_layers() {
-  const Surface& surface = problem_.palette.surface;
   double over_black = 0, over_white = 0;
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     const double weight = problem_.lamps.front().weights()[i][1];
-    over_black += weight * seen_over(surface, layers_[i], 0);
-    over_white += weight * seen_over(surface, layers_[i], problem_.settings.white_below);
+    over_black += weight * layers_[i].over(0);
+    over_white += weight * layers_[i].over(problem_.settings.white_below);
   }
   return over_white > 0 ? over_black / over_white : 1;
 }

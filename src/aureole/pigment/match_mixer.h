@@ -4,8 +4,10 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <vector>
 
+#include "aureole/pigment/film_theory.h"
 #include "aureole/pigment/match.h"
 
 namespace aureole::pigment {
@@ -20,10 +22,12 @@ using Shares = std::array<double, kMaxPaints>;
 struct MatchProblem {
   Palette palette;
   MatchTarget target;
-  std::vector<Observation> lamps;  ///< the first illuminant and observer, then the others
-  MatchSettings settings;          ///< settings of the match, with bounds for each pigment
-  /// A set of paints whose largest contrast ratio is below the required one by at most this slack is kept, at
-  /// its largest contrast ratio: for a search at groups of wavelengths, whose contrast ratios are not exact.
+  std::vector<Observation> lamps;  ///< the first, then the others
+  MatchSettings settings;          ///< with bounds for each pigment
+  /// The theory that the palette's K and S were fitted by; null for two fluxes.
+  std::shared_ptr<const FilmTheory> theory = {};
+  /// A set of paints whose largest contrast ratio is below the least one by no more than this is kept, at its largest
+  /// contrast ratio: for a search at groups of wavelengths, whose contrast ratios are not exact.
   double contrast_slack = 0;
 };
 
@@ -70,7 +74,9 @@ private:
   /// The kind of numbers that `residual` returns.
   enum class Aim { colour, hiding_colour, contrast };
 
+  /// Finds K and S, and `FilmLayer::g_shift` where the theory has mean cosines of the paints.
   void mix(const Shares& shares);
+  /// Finds the light of the layer of K and S at each wavelength, by two fluxes or by the problem's theory.
   void find_layers();
   double contrast_of_layers();
   /// Finds the point on the line to a relative error of its distance.
@@ -102,8 +108,9 @@ private:
   Shares opaque_{};  ///< a recipe with the required contrast ratio, if `has_opaque_`
   bool has_opaque_ = false;
   double largest_contrast_ = 0;
-  std::vector<LayerTransfer> layers_;
-  std::vector<double> k_, s_, reflectance_, residual_, here_, slopes_;
+  std::vector<FilmLight> layers_;
+  bool has_g_ = false;  ///< whether paints have mean cosines of their own
+  std::vector<double> k_, s_, g_shift_, reflectance_, residual_, here_, slopes_;
 };
 
 }  // namespace aureole::pigment

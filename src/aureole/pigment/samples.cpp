@@ -192,6 +192,7 @@ struct Columns {
     return nullptr;
   }
 
+  Columns() = default;
   Columns(const TextRow& header, Recipes recipes, std::vector<std::string>& notes) {
     std::vector<Found> reflected, through;
     std::vector<std::string> unused;
@@ -455,7 +456,77 @@ std::vector<Sample> samples_of(const TextRow& row, const Columns& columns, std::
   return all;
 }
 
-/// The rows of a table, beginning with its headings.
+/// The longest line that an error shows.
+constexpr std::size_t kLongestShown = 400;
+
+/// The cells of a line in one text, those with the separator in quotes.
+std::string line_of(const std::vector<std::string>& cells, char separator) {
+  std::string line;
+  for (const std::string& cell : cells) {
+    if (&cell != cells.data()) line += separator;
+    line += cell.find(separator) == cell.npos ? cell : '"' + cell + '"';
+  }
+  return line;
+}
+
+/// A value that a cell of a column may have, in a row of this table.
+std::string right_cell(const Columns& columns, const TextRow& row, std::size_t column) {
+  if (columns.sample == column) return "a";
+  if (columns.paints == column) return "red: 1 + white: 3";
+  if (columns.quantity == column) return "R";
+  if (columns.backing == column) return "opaque";
+  if (columns.thickness == column) {
+    const auto stated = column < row.cells.size() ? finite_number(row.cells[column].text) : std::nullopt;
+    return number_text(stated && *stated < 0 ? -*stated : 24e-6 / columns.thickness_scale);
+  }
+  if (columns.unit == column) return "percent";
+  if (columns.series == column || columns.specimen == column) return "1";
+  // A wavelength: the nearest number of the row.
+  std::string nearest = "41.2";
+  std::size_t distance = row.cells.size() + 1;
+  for (const std::vector<std::size_t>& run : columns.values)
+    for (const std::size_t i : run) {
+      const std::size_t away = i > column ? i - column : column - i;
+      if (i >= row.cells.size() || away == 0 || away >= distance || !finite_number(row.cells[i].text))
+        continue;
+      nearest = row.cells[i].text, distance = away;
+    }
+  return nearest;
+}
+
+/// The error with the heading of its cell, and the line as it would be right.
+TextError with_right_line(const TextError& error, const TextRow& row, const TextRow& header,
+                          const Columns& columns, char separator) {
+  const std::string said = error.what();
+  if (said.find("would be") != said.npos) return error;  // it says itself what would be right
+  for (std::size_t i = 0; i < row.cells.size() && i < header.cells.size(); ++i) {
+    const TextCell& cell = row.cells[i];
+    if (cell.column != error.column() || (cell.line ? cell.line : row.line) != error.line()) continue;
+    const bool is_down = cell.line > 0;
+    std::string message =
+        said + (is_down ? " in the row \"" : " in the column \"") + header.cells[i].text + "\"";
+    std::vector<std::string> cells;
+    for (const TextCell& one : row.cells) cells.push_back(one.text);
+    cells[i] = right_cell(columns, row, i);
+    const std::string line = is_down ? std::string() : line_of(cells, separator);
+    message += is_down || line.size() > kLongestShown ? "; right would be " + cells[i]
+                                                      : "; a line that would be right:\n    " + line;
+    return {error.line(), error.column(), message};
+  }
+  return error;
+}
+
+/// The end of an error on a row with too few or too many cells: the line as it would be right.
+std::string with_all_cells(const TextRow& row, const TextRow& header, const Columns& columns,
+                           char separator) {
+  std::vector<std::string> cells;
+  for (std::size_t i = 0; i < header.cells.size(); ++i)
+    cells.push_back(i < row.cells.size() ? row.cells[i].text : right_cell(columns, row, i));
+  const std::string line = line_of(cells, separator);
+  return line.size() > kLongestShown ? std::string() : "; a line that would be right:\n    " + line;
+}
+
+/// The rows of a table, from its headings on.
 struct Grid {
   std::vector<TextRow> rows;
   int headings = 0;  ///< number of cells of a row that are headings
@@ -509,16 +580,21 @@ Grid find_grid(std::vector<TextRow> rows, char separator) {
     }
   }
   if (grid.headings > 0) return grid;
-  std::size_t first = rows.size(), count = 0;
+  // Headings are lines as wide as those of the wavelengths, unlike most lines of other text above the table.
+  const auto of_wavelength = std::find_if(rows.begin(), rows.end(), [](const TextRow& row) {
+    return row.cells.size() >= 2 && wavelength_of(row.cells[0].text);
+  });
+  std::size_t first = rows.size(), first_of_any_width = rows.size(), count = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows[r].cells.size() < 2) continue;
-    const std::string word = Heading(rows[r].cells[0].text).word;
-    const bool key = is_wavelength_heading(rows[r].cells[0].text) || word == "paints" || word == "backing" ||
-                     word == "sample" || word == "specimen" || word == "series" || word == "unit" ||
-                     word == "quantity" || word.starts_with("thickness");
-    if (key && first == rows.size() && rows[r].cells.size() >= 2) first = r;
-    if (first < rows.size() && wavelength_of(rows[r].cells[0].text)) ++count;
+    if (is_wavelength_heading(rows[r].cells[0].text) || Columns().find(rows[r].cells[0].text)) {
+      first_of_any_width = std::min(first_of_any_width, r);
+      if (of_wavelength != rows.end() && rows[r].cells.size() == of_wavelength->cells.size())
+        first = std::min(first, r);
+    }
+    if (first_of_any_width < rows.size() && wavelength_of(rows[r].cells[0].text)) ++count;
   }
+  if (first == rows.size()) first = first_of_any_width;
   if (count < 2) return grid;
   grid.headings = int(count), grid.down = true;
   grid.rows.assign(rows.begin() + std::ptrdiff_t(first), rows.end());
@@ -587,8 +663,10 @@ SampleTable read_samples(std::istream& stream, Recipes recipes) {
                             std::to_string(best.rows.front().line) + ", got " +
                             std::to_string(row.cells.size()));
     bool has_paints = recipes == Recipes::optional;
-    for (const TextRow& row : best.rows)
-      has_paints = has_paints || Heading(row.cells[0].text).word == "paints";
+    for (const TextRow& row : best.rows) {
+      Columns one;
+      has_paints = has_paints || one.find(row.cells[0].text) == &one.paints;
+    }
     for (TextRow& row : best.rows)
       if (is_wavelength_heading(row.cells[0].text)) {
         row.cells[0].text = has_paints ? "sample" : "paints";
@@ -609,9 +687,15 @@ SampleTable read_samples(std::istream& stream, Recipes recipes) {
                           " cells, as in the line of headings, got " + std::to_string(row.cells.size()) +
                           (best.separator == ',' && row.cells.size() > best.rows.front().cells.size()
                                ? "; numbers with decimal commas need another separator, as in 24;0,41;0,42"
-                               : ""));
+                               : with_all_cells(row, best.rows.front(), columns, best.separator)));
     bool has_unit = false;
-    for (Sample& s : samples_of(row, columns, notes, has_unit)) {
+    std::vector<Sample> of_row;
+    try {
+      of_row = samples_of(row, columns, notes, has_unit);
+    } catch (const TextError& e) {
+      throw with_right_line(e, row, best.rows.front(), columns, best.separator);
+    }
+    for (Sample& s : of_row) {
       if (!has_unit) {
         without_unit.push_back(table.samples.size());
         for (const double v : s.values) largest = std::max(largest, std::isnan(v) ? 0 : v);
@@ -736,7 +820,18 @@ void match_card_names(SampleTable& table) {
   }
 }
 
+/// Samples without a recipe of their own to which others refer as their backing are bare cards.
+void find_bare_cards(SampleTable& table) {
+  std::set<std::string> backings;
+  for (const Sample& s : table.samples)
+    if (s.states_backing) backings.insert(lower_case(s.backing));
+  for (Sample& s : table.samples)
+    if (s.is_named_recipe && !s.states_backing && !(s.thickness > 0) && backings.contains(lower_case(s.name)))
+      s.paints.clear();
+}
+
 void settle_backings(SampleTable& table) {
+  find_bare_cards(table);
   match_card_names(table);
   std::set<std::string> stated;
   const auto layers_of = [](const Sample& s) {

@@ -29,9 +29,10 @@ struct Sample {
   std::vector<double> values;     ///< fractions, as measured, one per wavelength
   int line = 0;                   ///< line number in the file, from 1; 0: not from a text file
   std::vector<int> columns = {};  ///< column numbers of the values in that line
-  /// line numbers of the values, if they differ, as in tables whose rows are wavelengths
-  std::vector<int> lines = {};
-  std::string file = {};  ///< name of the file, in a table that was joined from several files
+  std::vector<int> lines = {};    ///< line numbers of the values, if they differ: wavelengths down
+  std::string file = {};          ///< the file, in a table that several files were joined to
+  bool is_named_recipe =
+      false;  ///< whether the name alone stands for the recipe: it may be that of a bare card
 };
 
 /// Measurement conditions of an instrument, as far as a file states them; empty: not stated.

@@ -13,40 +13,63 @@ constexpr double kOpaqueK = 5, kOpaqueS = 7;
 
 }  // namespace
 
-StreamsMixture::StreamsMixture(Palette palette, const ParallelFor& threads) : palette_(std::move(palette)) {
-  if (!palette_.streams) throw std::domain_error("the palette was not fitted by streams");
-  const PaletteStreams& s = *palette_.streams;
-  const bool varies = std::any_of(palette_.pigments.begin(), palette_.pigments.end(),
+std::shared_ptr<const FilmTheory> theory_of(const Palette& palette, const ParallelFor& threads) {
+  if (!palette.streams) throw std::domain_error("the palette was not fitted by streams");
+  const PaletteStreams& s = *palette.streams;
+  const bool varies = std::any_of(palette.pigments.begin(), palette.pigments.end(),
                                   [](const Pigment& p) { return p.g.has_value(); });
-  theory_ = streams_theory(
+  return streams_theory(
       {.index = s.index, .g = s.g, .geometry = s.geometry, .specular = s.specular, .varies_g = varies},
       threads);
 }
 
+std::vector<double> g_shifts(const Palette& palette, std::span<const double> fractions) {
+  const std::vector<double> shares = mixing_fractions(palette, fractions);
+  std::vector<double> shifts;
+  for (std::size_t i = 0; i < palette.nm.size(); ++i) {
+    double scattering = 0, s = 0;  // sigma_s relative to that of the theory's own g, and S
+    for (std::size_t p = 0; p < shares.size(); ++p) {
+      const Pigment& one = palette.pigments[p];
+      s += shares[p] * one.s[i];
+      scattering += shares[p] * one.s[i] * (one.g ? (1 - palette.streams->g) / (1 - *one.g) : 1);
+    }
+    shifts.push_back(scattering > 0 && s > 0 ? -std::log(scattering / s) : 0);
+  }
+  return shifts;
+}
+
+FilmLight light_of(const FilmTheory& theory, const Coefficients& c, double g_shift, double thickness) {
+  constexpr double kLeast = 1e-12;
+  const double depth = std::isinf(thickness) ? 1 : thickness;
+  const FilmLayer layer{std::log(std::max(c.k * depth, kLeast)), std::log(std::max(c.s * depth, kLeast)),
+                        g_shift};
+  if (std::isinf(thickness) || layer.ln_k > kOpaqueK || layer.ln_s > kOpaqueS)
+    return {theory.opaque_value(layer), 0, 0};
+  return theory.light(layer);
+}
+
+StreamsMixture::StreamsMixture(Palette palette, const ParallelFor& threads)
+    : palette_(std::move(palette)), theory_(theory_of(palette_, threads)) {}
+
+std::vector<FilmLight> StreamsMixture::light(std::span<const double> fractions, double thickness) const {
+  const Paint paint = mix(palette_, fractions);
+  const std::vector<double> shifts = g_shifts(palette_, fractions);
+  std::vector<FilmLight> all;
+  for (std::size_t i = 0; i < paint.size(); ++i)
+    all.push_back(light_of(*theory_, paint[i], shifts[i], thickness));
+  return all;
+}
+
 std::vector<double> StreamsMixture::reflectance(std::span<const double> fractions, double thickness,
                                                 Substrate substrate) const {
-  const bool is_opaque = std::isinf(thickness);
-  const Paint paint = mix(palette_, fractions);
-  if (!is_opaque && substrate.size() != 1 && substrate.size() != paint.size())
+  const std::vector<FilmLight> layers = light(fractions, thickness);
+  if (!std::isinf(thickness) && substrate.size() != 1 && substrate.size() != layers.size())
     throw std::domain_error("a substrate needs one reflectance, or one for each wavelength");
-  const std::vector<double> shares = mixing_fractions(palette_, fractions);
-  constexpr double kLeast = 1e-12;
   std::vector<double> values;
-  for (std::size_t i = 0; i < paint.size(); ++i) {
-    const double depth = is_opaque ? 1 : thickness;
-    FilmLayer layer{std::log(std::max(paint[i].k * depth, kLeast)),
-                    std::log(std::max(paint[i].s * depth, kLeast))};
-    // a quantity proportional to sigma_s, relative to a paint with the theory's mean cosine
-    double scattering = 0;
-    for (std::size_t p = 0; p < shares.size(); ++p) {
-      const Pigment& one = palette_.pigments[p];
-      scattering += shares[p] * one.s[i] * (one.g ? (1 - palette_.streams->g) / (1 - *one.g) : 1);
-    }
-    if (scattering > 0 && paint[i].s > 0) layer.g_shift = -std::log(scattering / paint[i].s);
-    values.push_back(is_opaque || layer.ln_k > kOpaqueK || layer.ln_s > kOpaqueS
-                         ? theory_->opaque(layer).value
-                         : theory_->over(layer, substrate.size() == 1 ? substrate[0] : substrate[i]).value);
-  }
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    values.push_back(std::isinf(thickness)
+                         ? layers[i].seen
+                         : layers[i].over(substrate.size() == 1 ? substrate[0] : substrate[i]));
   return values;
 }
 

@@ -11,21 +11,38 @@
 
 namespace aureole::pigment {
 
+/// Tabulates the theory by which a palette's K and S were fitted (`streams_theory`, some 0.5 s on one core). Throws
+/// std::domain_error for a palette that was not fitted by streams.
+std::shared_ptr<const FilmTheory> theory_of(const Palette& palette, const ParallelFor& threads = serial_for);
+
+/// ln((1 - g)/(1 - g0)) of a mixture at each wavelength, with g0 the mean cosine of the palette's streams and fractions by
+/// mass that sum to one. K and S add up as in `mix`, and so do sigma_s, proportional to S/(1 - g), of paints with mean
+/// cosines of their own.
+std::vector<double> g_shifts(const Palette& palette, std::span<const double> fractions);
+
+/// The light of a layer with these K and S and `g_shift` (`FilmLayer`). `thickness` is in the inverse unit of K and S and may
+/// be infinite. Layers beyond the tables of the theory are opaque; K and S below 1e-12 per layer count as 1e-12.
+FilmLight light_of(const FilmTheory& theory, const Coefficients& coefficients, double g_shift,
+                   double thickness);
+
+/// A palette and the theory by streams that its K and S belong to.
 class StreamsMixture {
 public:
-  /// Tabulates the theory (`streams_theory`). Throws std::domain_error for a palette that was not fitted by streams.
+  /// Tabulates the theory (`theory_of`).
   explicit StreamsMixture(Palette palette, const ParallelFor& threads = serial_for);
 
-  /// Outer reflectance of a layer, by mass fractions that sum to one, as the instrument of `Palette::streams` measures it.
-  /// K and S add up as in `mix`. So do sigma_s, proportional to S/(1 - g), of paints with mean cosines of their own.
-  /// `thickness` is in the inverse unit of K and S and may be infinite; the substrate is then ignored. K and S below 1e-12
-  /// per layer count as 1e-12. Throws std::domain_error as `mix` does.
+  /// Light of a layer of a mixture at each wavelength, by mass fractions that sum to one. `thickness` is in the inverse unit
+  /// of K and S and may be infinite. Throws std::domain_error as `mix` does.
+  std::vector<FilmLight> light(std::span<const double> fractions, double thickness) const;
+  /// Outer reflectance of a layer, as the instrument of `Palette::streams` measures it. The substrate below an opaque layer is
+  /// ignored.
   std::vector<double> reflectance(std::span<const double> fractions, double thickness,
                                   Substrate substrate) const;
+  const std::shared_ptr<const FilmTheory>& theory() const { return theory_; }
 
 private:
   Palette palette_;
-  std::unique_ptr<FilmTheory> theory_;
+  std::shared_ptr<const FilmTheory> theory_;
 };
 
 }  // namespace aureole::pigment

@@ -229,6 +229,37 @@ TEST(JointFit, ResidualsTellTheNoise) {
   }
 }
 
+/// Where the theory is exact, errors by the residuals cover the paints' K and S as 90 % intervals do, while a stated noise that is
+/// larger than the measurements' makes errors that cover nearly all.
+TEST(JointFit, ErrorsByResidualsAreRightForAnExactTheory) {
+  int count = 0, by_residuals = 0, by_stated = 0;
+  Workshop lab;
+  const auto theory = two_flux_theory(lab.surface);
+  for (int repeat = 0; repeat < 12; ++repeat) {
+    const SampleTable table = lab.table(0.003);
+    JointSettings settings = JointSettings::plain();
+    settings.noise = 0.012;
+    JointFit fit(table, *theory, settings);
+    fit.with_errors();
+    const ResidualReport residuals = fit.residuals();
+    EXPECT_NEAR(residuals.relative, 0.25, 0.05);
+    const std::vector<PaintErrors> stated = fit.errors(), errors = fit.errors(residuals.relative);
+    for (const int paint : {0, 1}) {
+      const std::size_t p = *fit.palette().find(lab.names[std::size_t(paint)]);
+      const Pigment& found = fit.palette().pigments[p];
+      for (std::size_t l = 0; l < lab.nm.size(); ++l, ++count) {
+        const double off = std::abs(std::log(found.s[l] / lab.s(paint, lab.nm[l])));
+        by_residuals += off < kNormal90 * errors[p].s[l], by_stated += off < kNormal90 * stated[p].s[l];
+        EXPECT_NEAR(stated[p].s[l] * found.s[l], found.s_error[l], 1e-12 * found.s[l]);
+      }
+    }
+    // Errors by another noise leave those by the stated one as they are.
+    EXPECT_EQ(fit.errors()[0].k, stated[0].k);
+  }
+  EXPECT_NEAR(double(by_residuals) / count, 0.9, 0.07);
+  EXPECT_GT(double(by_stated) / count, 0.99);
+}
+
 /// Repeats of one specimen over one card that scatter by 0.02 count less beside others than those that do not scatter.
 TEST(JointFit, RepeatsThatScatterCountLess) {
   Workshop lab;
@@ -442,6 +473,82 @@ TEST(JointFit, APaletteByStreamsPredictsAsTheFit) {
     EXPECT_GT(off, 0.02);
   }
   EXPECT_THROW(StreamsMixture{kimera_fit().palette}, std::domain_error);
+}
+
+/// The light of a film over any card is the theory's reflectance, and within its interface a film of two fluxes has Kubelka
+/// and Munk's R and T.
+TEST(FilmTheory, LightOfAFilm) {
+  const Surface surface = smooth_surface(1.5, Geometry::diffuse_8, Specular::included);
+  const auto two = two_flux_theory(surface), streams = streams_theory({.g = 0.5}),
+             with_g = streams_theory({.g = 0.5, .varies_g = true});
+  for (const double k : {0.01, 0.4, 5.0})
+    for (const double s : {0.1, 2.0, 20.0})
+      for (const double shift : {-0.4, 0.0, 0.35}) {
+        const FilmLayer film{std::log(k), std::log(s), shift};
+        for (const FilmTheory* theory : {two.get(), streams.get(), with_g.get()}) {
+          for (const double card : {0.0, 0.3, 1.0})
+            EXPECT_NEAR(theory->light(film).over(card), theory->over(film, card).value, 1e-12)
+                << theory->name() << k << " " << s;
+          EXPECT_NEAR(theory->opaque_value(film), theory->opaque(film).value, 1e-12) << theory->name();
+        }
+        const InnerFilm inner = inner_film(two->light(film), surface);
+        const LayerTransfer expected = layer({k, s}, 1);
+        EXPECT_NEAR(inner.reflectance, expected.reflectance, 1e-12);
+        EXPECT_NEAR(inner.back, expected.reflectance, 1e-12);
+        EXPECT_NEAR(inner.transmittance2, expected.transmittance * expected.transmittance, 1e-12);
+      }
+}
+
+/// Layers whose K/S is at the corner of the tables, where both K and S are largest, are as opaque as all others.
+TEST(FilmTheory, OpaqueLayersOfStreams) {
+  const auto theory = streams_theory({.g = 0.7});
+  constexpr double kStep = 1e-4;
+  for (double ratio = -4; ratio < 3; ratio += 0.03) {
+    const double ln_s = std::min(6.9, 4.9 - ratio);  // a film that nothing shows through
+    EXPECT_NEAR(theory->opaque({ratio, 0}).value, theory->over({ln_s + ratio, ln_s}, 0).value, 1e-4) << ratio;
+    EXPECT_NEAR(
+        theory->opaque({ratio, 0}).by_ln_k,
+        (theory->opaque({ratio + kStep, 0}).value - theory->opaque({ratio - kStep, 0}).value) / (2 * kStep),
+        1e-4)
+        << ratio;
+  }
+}
+
+/// Recipes of a palette by streams are those that streams predict: opaque and as films, with mean cosines of the paints.
+TEST(PigmentMatch, ByStreams) {
+  Palette palette;
+  for (int nm = 400; nm <= 700; nm += 20) palette.nm.push_back(nm);
+  const auto paint = [&](const std::string& name, double edge, double s, double g) {
+    Pigment& p = palette.pigments.emplace_back();
+    p.name = name, p.g = g;
+    for (const double nm : palette.nm)
+      p.k.push_back(0.01 + (edge > 0 ? 6 / (1 + std::exp((nm - edge) / 15)) : 0)), p.s.push_back(s);
+  };
+  paint("white", 0, 8, 0.6), paint("red", 590, 2, 0.75), paint("yellow", 500, 3, 0.8);
+  palette.relative = palette.per_film = true;
+  palette.streams = PaletteStreams{.index = 1.5, .g = 0.7};
+  const StreamsMixture streams(palette);
+  const auto lobe = [](double centre) {
+    return [centre](double nm) { return std::exp(-std::pow((nm - centre) / 40, 2)); };
+  };
+  const Observation lamp("equal energy", palette.nm, [](double) { return 1; },
+                         {lobe(600), lobe(550), lobe(450)});
+  const std::vector<double> fractions{0.7, 0.1, 0.2};
+  for (const double thickness : {1.0, double(INFINITY)}) {
+    MatchSettings settings;
+    settings.thickness = thickness, settings.substrate = {0.5}, settings.by = MatchBy::spectrum;
+    MatchTarget target;
+    target.reflectance = streams.reflectance(fractions, thickness, settings.substrate);
+    target.lab = lamp.lab(target.reflectance);
+    const std::vector<Match> found = match(palette, target, lamp, {}, settings);
+    ASSERT_FALSE(found.empty());
+    for (std::size_t p = 0; p < 3; ++p) EXPECT_NEAR(found[0].fractions[p], fractions[p], 2e-3) << thickness;
+    EXPECT_LT(found[0].rms, 1e-4);
+    // By two fluxes the same K and S have another colour.
+    Palette by_fluxes = palette;
+    by_fluxes.streams.reset();
+    EXPECT_GT(match(by_fluxes, target, lamp, {}, settings)[0].rms, 1e-3);
+  }
 }
 
 /// Two measurements that depend on K and S in different ways tell them apart; less does not.

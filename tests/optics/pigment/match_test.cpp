@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/streams_mixture.h"
 
 namespace aureole::pigment {
 namespace {
@@ -176,6 +177,39 @@ TEST(PigmentMatch, FourOfFortyPaints) {
   EXPECT_LT(found[0].difference, 1e-3);
   for (std::size_t i = 0; i < truth.size(); ++i)
     EXPECT_NEAR(found[0].fractions[i], truth[i], 0.01 * truth[i] + 1e-9);
+}
+
+/// As `FourOfFortyPaints`, with a palette by streams, and three of thirteen of its paints as a film over a card.
+TEST(PigmentMatch, FourOfFortyPaintsByStreams) {
+  Palette palette = synthetic_palette(40);
+  palette.streams = PaletteStreams{.index = 1.5, .g = 0.8};
+  const StreamsMixture streams(palette, std_thread_for(2));
+  const Observation day = observation_at(palette.nm, 6500);
+  const std::vector<Observation> others{observation_at(palette.nm, 2856)};
+  std::vector<double> truth(40);
+  truth[0] = 0.8, truth[5] = 0.12, truth[17] = 0.05, truth[30] = 0.03;
+  const auto timed = [&](const char* what, const MatchTarget& target, const MatchSettings& settings) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto found = match(palette, target, day, others, settings, std_thread_for(2));
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::printf("%s: %.2f s with the tables of the theory, Delta E %.2g\n", what, seconds,
+                found[0].difference);
+    return found;
+  };
+  const auto r = streams.reflectance(truth, kInfinity, {});
+  const auto found = timed("4 of 40 paints", {day.lab(r), r}, {.max_paints = 4});
+  EXPECT_LT(found[0].difference, 5e-3);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    EXPECT_NEAR(found[0].fractions[i], truth[i], 0.02 * truth[i] + 1e-9);
+  MatchSettings film{.max_paints = 3, .thickness = 0.4, .substrate = {0.3}};
+  film.most.assign(40, 0);
+  std::fill_n(film.most.begin(), 13, 1);
+  std::fill(truth.begin(), truth.end(), 0);
+  truth[0] = 0.85, truth[3] = 0.1, truth[8] = 0.05;
+  const auto over = streams.reflectance(truth, film.thickness, film.substrate);
+  const auto films = timed("3 of 13 paints, a film", {day.lab(over), over}, film);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    EXPECT_NEAR(films[0].fractions[i], truth[i], 0.02 * truth[i] + 1e-9);
 }
 
 /// Sets of four are tried only where a paint more helps. Nothing is lost against trying all sets of twelve paints.

@@ -204,11 +204,12 @@ private:
     s.name = object.attribute("Name").value();
     if (s.name.empty()) s.name = object.attribute("Id").value();
     std::string recipe = s.name;
+    s.is_named_recipe = true;
     for (const pugi::xml_node& tag : descendants(object, "Tag")) {
       const std::string name = pigment::lower_case(tag.attribute("Name").value()),
                         value = tag.attribute("Value").value();
       if (name == "paints") {
-        recipe = value;
+        recipe = value, s.is_named_recipe = false;
       } else if (name == "sample") {
         s.name = value;
       } else if (name == "backing" && !value.empty()) {

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Compares predictions of mixtures that were kept back with those of the plain two-constant fit, mixture by mixture.
+
+    python3 tools/revigo_table.py ../shared/data/revigo > revigo.csv
+    aureole pigment fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --white ZincWhite --black BoneBlack --hold-out each --json held.json
+    python3 tools/compare_held_out.py revigo.csv held.json
+
+For each theory of the report it prints the mean and the median CIEDE2000, the median of the ratios to the plain fit, and on how
+many mixtures the theory is better. The sets of mixtures are: all; those whose coloured paints have another tint in the table; those
+that have one in their own series, as the plain fit needs (40 of the oil paints); and sets of eleven, drawn from these in a fixed
+random order: four tints of about 50:50, four shades with black, three other mixtures.
+"""
+import csv
+import json
+import random
+import statistics
+import sys
+
+WHITE, BLACK = "ZincWhite", "BoneBlack"
+DRAWS = 2000
+
+
+def recipes(file):
+    """Parts by paint of each specimen, and its series."""
+    with open(file, encoding="utf-8") as rows:
+        return {row["specimen"]: (row["series"], {part.split(":")[0].strip(): float(part.split(":")[1]) for part in row["paints"].split("+")})
+                for row in csv.DictReader(rows) if row["paints"]}
+
+
+def is_determined(name, table):
+    """Whether each coloured paint of a mixture is in another mixture of its series with a paint that is not the black."""
+    series, recipe = table[name]
+    return all(any(other != name and of == series and paint in parts and any(with_ not in (paint, BLACK) for with_ in parts)
+                   for other, (of, parts) in table.items() if len(parts) > 1)
+               for paint in recipe if paint not in (WHITE, BLACK))
+
+
+def kind(recipe):
+    share = recipe.get(WHITE, 0) / sum(recipe.values())
+    if BLACK in recipe:
+        return "shade"
+    return "tint" if 0.4 <= share <= 0.6 else "other"
+
+
+def main():
+    table = recipes(sys.argv[1])
+    with open(sys.argv[2], encoding="utf-8") as file:
+        report = json.load(file)["held_out"]
+    held = {one["specimen"]: one for one in report["specimens"] if "plain" in one}
+    theories = [name for name in report["coverage"] if all(name in one for one in held.values())]
+    forty = [name for name in held if is_determined(name, table)]
+    sets = {"all": list(held), "another tint": [name for name, one in held.items() if one["determined"]], "another tint of the series": forty}
+    by_kind = {k: [name for name in held if kind(table[name][1]) == k] for k in ("tint", "shade", "other")}
+    order = random.Random(1)
+    elevens = [order.sample(by_kind["tint"], 4) + order.sample(by_kind["shade"], 4) + order.sample(by_kind["other"], 3) for _ in range(DRAWS)]
+    print(f"{'mixtures':<28}{'theory':<12}{'mean':>6}{'median':>8}{'ratio':>7}  better")
+    for title, names in sets.items():
+        values = [held[name]["plain"] for name in names]
+        print(f"{title:<28}{'plain':<12}{statistics.mean(values):>6.2f}{statistics.median(values):>8.2f}")
+        for theory in theories:
+            values = [held[name][theory] for name in names]
+            ratios = [held[name][theory] / held[name]["plain"] for name in names]
+            print(f"{'':<28}{theory:<12}{statistics.mean(values):>6.2f}{statistics.median(values):>8.2f}{statistics.median(ratios):>7.2f}"
+                  f"  {sum(r < 1 for r in ratios)} of {len(names)}")
+    for theory in theories:
+        ratios = [[held[name][theory] / held[name]["plain"] for name in names] for names in elevens]
+        medians = [statistics.median(r) for r in ratios]
+        better = [sum(x < 1 for x in r) for r in ratios]
+        print(f"{DRAWS} sets of eleven, {theory}: median ratio {statistics.mean(medians):.2f} +- {statistics.stdev(medians):.2f}, at most 0.8 in "
+              f"{sum(m <= 0.8 for m in medians) / DRAWS:.0%}; better on {statistics.mean(better):.1f} +- {statistics.stdev(better):.1f}, "
+              f"on at least 8 in {sum(b >= 8 for b in better) / DRAWS:.0%}")
+    for theory in theories:
+        print(f"90 % intervals of {theory} cover {report['coverage'][theory]:.1%}")
+
+
+if __name__ == "__main__":
+    main()
