@@ -14,6 +14,7 @@
 #include "aureole/core/input_file.h"
 #include "aureole/loading/load.h"
 #include "aureole/parameter/grid/scalar_grid.h"
+#include "aureole/parameter/radiance/radiance_voxels.h"
 #include "aureole/plugin/table_holder.h"
 #include "aureole/render/state.h"
 #include "command.h"
@@ -103,6 +104,11 @@ int info_of_scene(const std::string& file, const std::vector<std::string>& defin
 }
 
 int info(const std::string& file, const std::vector<std::string>& defines) {
+  if (is_radiance_voxels_file(file)) {
+    if (!defines.empty()) throw Error("-D sets names of scenes: " + file + " is not a scene file");
+    print_radiance_voxels(file);
+    return 0;
+  }
   const bool holds_splats = is_splats(file);                          // .spz is gzip, as NIfTI may be
   const bool is_volume = !holds_splats && is_scalar_grid_file(file);  // .vti is XML, too
   if (!holds_splats && !is_volume && is_xml(file)) return info_of_scene(file, defines);
@@ -119,19 +125,21 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
     throw Error(
         {file, 0, 0},
         "is neither a scene file (XML) nor a picture (EXR, PNG, JPEG, TIFF, PFM, HDR, TGA, BMP) nor a volume "
-        "(NRRD, MetaImage, NIfTI, .vti, .npy, .vol), splats (PLY, .spz, .splat, glTF) nor a .state file");
+        "(NRRD, MetaImage, NIfTI, .vti, .npy, .vol), splats (PLY, .spz, .splat, glTF, .usda), a radiance grid (.npz) nor a .state file");
   return 0;
 }
 
 std::function<int()> declare(CommandOptions& options) {
   auto file = std::make_shared<std::string>();
   auto defines = std::make_shared<std::vector<std::string>>();
-  options.add("file", *file, "scene, picture, volume, splats or .state file").required();
+  options.add("file", *file, "scene, picture, volume, splats, radiance grid or .state file").required();
   options.add("-D,--define", *defines, "set a $name of the scene").takes_each_time(1);
   return [=] { return info(*file, *defines); };
 }
 
-AUREOLE_COMMAND("info", "List the content of a scene, a picture, a volume, splats or a state file", declare);
+AUREOLE_COMMAND("info",
+                "List the content of a scene, a picture, a volume, splats, a radiance grid or a state file",
+                declare);
 
 }  // namespace
 }  // namespace aureole

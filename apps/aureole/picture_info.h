@@ -20,5 +20,7 @@ void print_state(const std::filesystem::path& file);
 bool is_splats(const std::filesystem::path& file);
 /// Prints what a file of splats holds and by which conventions. Throws Error.
 void print_splats(const std::filesystem::path& file);
+/// Prints size, stored voxels and range of densities of a radiance grid. Throws Error. Implemented in splat_info.cpp.
+void print_radiance_voxels(const std::filesystem::path& file);
 
 }  // namespace aureole

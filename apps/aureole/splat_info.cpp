@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Description of a file of splats, for `aureole info`.
+// Descriptions of files of splats and of radiance grids, for `aureole info`.
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "aureole/parameter/radiance/radiance_voxels.h"
 #include "aureole/parameter/splat/splat_cloud.h"
 #include "messages.h"
 #include "picture_info.h"
@@ -12,7 +13,8 @@ namespace aureole {
 
 bool is_splats(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
-  return extension == ".ply" || extension == ".glb" || extension == ".gltf" || is_splat_file(file);
+  return extension == ".ply" || extension == ".glb" || extension == ".gltf" || extension == ".usda" ||
+         is_splat_file(file);
 }
 
 void print_splats(const std::filesystem::path& file) {
@@ -45,6 +47,21 @@ void print_splats(const std::filesystem::path& file) {
              h.colors == SplatHints::Colors::srgb ? "sRGB" : "linear",
              h.antialiased ? ", opacities compensated for dilation" : "");
   fmt::print("memory       {:.1f} MB\n", double(cloud.memory_bytes()) / 1e6);
+}
+
+void print_radiance_voxels(const std::filesystem::path& file) {
+  const RadianceVoxels g = read_radiance_voxels(file);
+  for (const std::string& note : g.notes) tell("note: {} {}\n", file.string(), note);
+  fmt::print("radiance     {} (.npz of Plenoxels)\n", file.string());
+  fmt::print("size         {} x {} x {} voxels, {} of them stored\n", g.size[0], g.size[1], g.size[2],
+             g.stored());
+  const Vec3 lower = g.center - g.radius, upper = g.center + g.radius;
+  fmt::print("box          ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", lower.x, lower.y, lower.z,
+             upper.x, upper.y, upper.z);
+  const auto [least, most] = std::minmax_element(g.densities.begin(), g.densities.end());
+  fmt::print("densities    {:.4g} to {:.4g} per length\n", *least, *most);
+  fmt::print("harmonics    degree {}\n", g.degree);
+  fmt::print("memory       {:.1f} MB\n", double(g.memory_bytes()) / 1e6);
 }
 
 }  // namespace aureole

@@ -77,8 +77,8 @@ struct SplatFileOptions {
 const std::vector<std::string>& splat_axes();
 
 /// Reads a file of Gaussian splats or points: PLY (of 3D Gaussian splatting, or points with colours, normals and radii),
-/// `.splat`, `.spz` of the versions 1 to 4, glTF (`.gltf`, `.glb`) with KHR_gaussian_splatting. The content decides, but for
-/// `.splat`, which has no signature. Throws Error located at the file. Memory is bounded by the size of the file and
+/// `.splat`, `.spz` of the versions 1 to 4, glTF (`.gltf`, `.glb`) with KHR_gaussian_splatting, text of OpenUSD (`.usda`). The
+/// content decides, but for `.splat`, which has no signature. Throws Error located at the file. Memory is bounded by the size of the file and
 /// `require_content`.
 SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOptions& options = {});
 
