@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole info: lists the content of a scene, a picture, a volume, splats or a state file.
+// aureole info: lists the content of a scene, a picture, a volume, splats, a radiance grid or a state file.
 #include <fmt/format.h>
 
 #include <memory>
@@ -23,12 +23,12 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
 std::function<int()> declare(CommandOptions& options) {
   auto file = std::make_shared<std::string>();
   auto defines = std::make_shared<std::vector<std::string>>();
-  options.add("file", *file, "scene, picture, volume, splats or .state file").required();
+  options.add("file", *file, "scene, picture, volume, splats, radiance grid or .state file").required();
   options.add("-D,--define", *defines, "set a $name of the scene").takes_each_time(1);
   return [=] { return info(*file, *defines); };
 }
 
-AUREOLE_COMMAND("info", "List the content of a scene, a picture, a volume, splats or a state file", declare);
+AUREOLE_COMMAND("info", "List the content of a scene, a picture, a volume, splats, a radiance grid or a state file", declare);
 
 }  // namespace
 }  // namespace aureole

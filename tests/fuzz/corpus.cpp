@@ -97,6 +97,9 @@ Corpus::Corpus(const fs::path& source) {
   group_begin_.push_back(scenes_.size());
   add_volume_scenes(heads);
   group_begin_.push_back(scenes_.size());
+  add_splat_scenes(source / "tests/medium/data/splats");
+  add_splat_scenes(source / "tests/medium/data/radiance");
+  group_begin_.push_back(scenes_.size());
   find_tables();
 }
 
@@ -217,6 +220,20 @@ void Corpus::add_volume_scenes(const fs::path& folder) {
     }
     scene.files[kMainFile] = std::make_shared<std::string>(wrap_volume(name));
     scenes_.push_back(std::move(scene));
+  }
+}
+
+void Corpus::add_splat_scenes(const fs::path& folder) {
+  for (const fs::path& file : files_below(folder)) {
+    const std::string name = file.filename().string();
+    const Bytes bytes = std::make_shared<std::string>(read_whole(file));
+    data_.emplace_back(name, bytes);
+    for (const std::string& text : wrap_splats(name)) {
+      BaseScene scene{"splats " + name, {}};
+      scene.files[name] = bytes;
+      scene.files[kMainFile] = std::make_shared<std::string>(text);
+      scenes_.push_back(std::move(scene));
+    }
   }
 }
 

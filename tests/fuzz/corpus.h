@@ -53,6 +53,7 @@ private:
   void add_examples();
   void add_image_scenes();
   void add_volume_scenes(const std::filesystem::path& folder);
+  void add_splat_scenes(const std::filesystem::path& folder);
   void find_tables();
   /// The text with numbers made small and file names made names of files in one folder, which are added.
   std::string prepare(const std::string& text, const std::filesystem::path& folder, Files& files) const;

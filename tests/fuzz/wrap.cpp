@@ -148,4 +148,14 @@ std::string wrap_volume(const std::string& file) {
                              file + "\"/>" + parameters + "</volume></medium>"));
 }
 
+std::vector<std::string> wrap_splats(const std::string& file) {
+  const bool is_grid = file.ends_with(".npz");
+  const std::string medium =
+      ball(R"(<bsdf type="null"/><medium type=")" + std::string(is_grid ? "radiance_grid" : "splats") +
+           R"(" name="interior"><string name="filename" value=")" + file + "\"/></medium>");
+  return {usual(kLight + medium),
+          scene(R"(<integrator type=")" + std::string(is_grid ? "radiance_field" : "splat") + "\"/>" +
+                sensor() + kFloor + kLight + medium)};
+}
+
 }  // namespace aureole::fuzz

@@ -27,4 +27,7 @@ std::string wrap_image(const std::string& file);
 /// A scene with the volume as the extinction of a medium.
 std::string wrap_volume(const std::string& file);
 
+/// Scenes with the file of splats or points, or with the radiance grid (.npz): projected or composited, and as a medium.
+std::vector<std::string> wrap_splats(const std::string& file);
+
 }  // namespace aureole::fuzz

@@ -526,7 +526,8 @@ TEST(Splat, ScenesThatItCannotShow) {
     EXPECT_NE(error.find("splat.xml:"), std::string::npos) << error;
   };
   expect(splat_error("", view), "and the scene has none");
-  expect(splat_error("", medium + R"(<sensor type="orthographic"><film type="hdrfilm"/></sensor>)"),
+  expect(splat_error(R"(<string name="method" value="projection"/>)",
+                     medium + R"(<sensor type="orthographic"><film type="hdrfilm"/></sensor>)"),
          "use the sensor \"perspective\"");
   expect(
       splat_error(
@@ -546,6 +547,98 @@ TEST(Splat, ScenesThatItCannotShow) {
   expect(splat_error(R"(<string name="footprint" value="disc"/>)", view + splat_medium(points)),
          "state their radius");
   expect(splat_error("", view + splat_medium(folder.write("bad.ply", "ply\n"))), "its header does not end");
+}
+
+/// Sensors without a single centre of projection follow splats by rays.
+std::string orthographic(int width, int height) {
+  return fmt::format(
+      R"(<sensor type="orthographic"><transform name="to_world"><lookat origin="0, 0, 0" target="0, 0, 1" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="{}"/><integer name="height" value="{}"/><rfilter type="box"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="1"/></sampler></sensor>)",
+      width, height);
+}
+
+TEST(Splat, RaysSeeTheLargestValueOfAGaussian) {
+  // One splat before an orthographic camera, with a turned axis: along z the Gaussian's marginal is its conditional peak.
+  const SplatFolder folder;
+  PlainSplat s;
+  s.position = {0.1, -0.2, 3}, s.scale = {0.3, 0.15, 0.4}, s.opacity = 0.8, s.color = {0.9, 0.4, 0.2};
+  s.rotation = {0.8, 0.3, -0.4, 0.2};
+  const Blended b =
+      look(scene_of(kMeasures, orthographic(24, 24) + splat_medium(folder.write("s.ply", make_ply({s})))));
+  // The inverse covariance, and the minimum over z of its quadratic form.
+  auto [w, x, y, z] = s.rotation;
+  const double l = std::sqrt(w * w + x * x + y * y + z * z);
+  w /= l, x /= l, y /= l, z /= l;
+  const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                          {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                          {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+  double p[3][3] = {};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (std::size_t k = 0; k < 3; ++k) p[i][j] += r[i][k] * r[j][k] / (s.scale[k] * s.scale[k]);
+  double most = 0;
+  for (int py = 0; py < 24; ++py)
+    for (int px = 0; px < 24; ++px) {
+      const double dx = -((px + 0.5) / 12 - 1) - 0.1, dy = -((py + 0.5) / 12 - 1) + 0.2;
+      const double dz = -(p[0][2] * dx + p[1][2] * dy) / p[2][2];
+      const double form = p[0][0] * dx * dx + p[1][1] * dy * dy + p[2][2] * dz * dz +
+                          2 * (p[0][1] * dx * dy + p[0][2] * dx * dz + p[1][2] * dy * dz);
+      const double alpha = 0.8 * std::exp(-0.5 * form);
+      const SplatSample& found = b.at(px, py);
+      if (std::abs(alpha - 1. / 255) < 1e-4) continue;
+      const double expected = alpha > 1. / 255 ? alpha : 0;
+      EXPECT_NEAR(1 - found.transmittance, expected, 2e-5) << px << " " << py;
+      EXPECT_NEAR(found.color[1], 0.4 * expected, 2e-5);
+      most = std::max(most, expected);
+    }
+  EXPECT_GT(most, 0.7);
+}
+
+TEST(Splat, RaysAndProjectionAgreeOnSmallSplats) {
+  const SplatFolder folder;
+  auto splats = random_splats(3000, 17, 2, 8, 0.8);
+  for (auto& s : splats) {
+    for (double& x : s.scale) x *= 0.15;
+    s.rest.clear();
+  }
+  const std::string medium = splat_medium(folder.write("s.ply", make_ply(splats)));
+  const Blended rays = look(scene_of(std::string(kMeasures) + R"(<string name="method" value="rays"/>)",
+                                     camera(96, 64, 400) + medium));
+  const Blended projected = look(scene_of(
+      std::string(kMeasures) +
+          R"(<float name="dilation" value="0"/><string name="projection" value="tangential"/><string name="sorting" value="camera_distance"/>)",
+      camera(96, 64, 400) + medium));
+  double sum = 0, covered = 0;
+  for (std::size_t i = 0; i < rays.pixels.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      sum += std::abs(double(rays.pixels[i].color[k]) - double(projected.pixels[i].color[k]));
+    covered += 1 - double(projected.pixels[i].transmittance);
+  }
+  EXPECT_GT(covered / double(rays.pixels.size()), 0.2);
+  EXPECT_LT(sum / double(3 * rays.pixels.size()), 2e-3);
+}
+
+TEST(Splat, SensorsThatCannotProject) {
+  const SplatFolder folder;
+  const auto file = folder.write("s.ply", make_ply(random_splats(20, 3, 2, 4, 0.5)));
+  const std::string content = orthographic(4, 4) + splat_medium(file);
+  const auto fault = [&](const std::string& integrator) -> std::string {
+    try {
+      look(scene_of(kMeasures + integrator, content));
+    } catch (const Error& problem) {
+      return problem.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(fault(""), "");
+  EXPECT_NE(fault(R"(<string name="method" value="projection"/>)").find("or the method \"rays\""),
+            std::string::npos);
+  EXPECT_NE(fault(R"(<string name="footprint" value="disc"/>)").find("use the sensor \"perspective\""),
+            std::string::npos);
+  EXPECT_NE(fault(R"(<string name="method" value="rays"/><float name="dilation" value="1"/>)")
+                .find("has no effect on rays"),
+            std::string::npos);
 }
 
 }  // namespace

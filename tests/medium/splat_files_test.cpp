@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <random>
@@ -13,6 +14,7 @@
 #include "aureole/core/error.h"
 #include "aureole/parameter/splat/spherical_harmonics.h"
 #include "aureole/parameter/splat/splat_cloud.h"
+#include "aureole/parameter/splat/splat_writer.h"
 #include "harness/paths.h"
 #include "medium/splat_test_support.h"
 
@@ -371,6 +373,116 @@ TEST(Splat, FilesThatLie) {
             std::string::npos);
   EXPECT_NE(message_of(folder.write("none.xyz", "hello")).find("is no file of splats that is known here"),
             std::string::npos);
+}
+
+/// Text of OpenUSD that usd-core has written from the numbers of PLY files (make_usd_splats.py).
+TEST(Splat, OpenUsdHasTheNumbersOfThePly) {
+  for (const auto& [usda, ply, half] :
+       {std::tuple{"sh2.usda", "sh2.ply", false}, {"sh1_half.usda", "sh1.ply", true}}) {
+    const SplatCloud a = read_splat_file(judged_folder() / usda),
+                     b = read_splat_file(judged_folder() / ply, as_stored());
+    EXPECT_EQ(a.notes, std::vector<std::string>());
+    EXPECT_EQ(a.hints.sorting, SplatHints::Sorting::camera_distance);
+    EXPECT_EQ(a.hints.projection, SplatHints::Projection::tangential);
+    ASSERT_EQ(a.size(), b.size());
+    ASSERT_EQ(a.degree, b.degree);
+    const float relative = half ? 1e-3f : 1e-5f;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(a.positions[i][k], b.positions[i][k], relative * 4);
+        EXPECT_NEAR(a.scales[i][k], b.scales[i][k], relative * b.scales[i][k]);
+      }
+      double turn = 0;
+      for (std::size_t k = 0; k < 4; ++k) turn += double(a.rotations[i][k]) * double(b.rotations[i][k]);
+      EXPECT_NEAR(std::abs(turn), 1, relative);
+      EXPECT_NEAR(a.opacities[i], b.opacities[i], relative);
+      for (std::size_t k = 0; k < 3 * a.coefficients(); ++k)
+        EXPECT_NEAR(a.harmonics_of(i)[k], b.harmonics_of(i)[k], relative * 2);
+    }
+  }
+}
+
+TEST(Splat, OpenUsdText) {
+  const SplatFolder folder;
+  const auto read = [&](const std::string& text) { return read_splat_file(folder.write("t.usda", text)); };
+  const std::string
+      head = "#usda 1.0\n( upAxis = \"Z\" )\n",
+      prim = "def ParticleField3DGaussianSplat \"S\" (\n customData = { string a = \"}\" }\n)\n{\n";
+  const SplatCloud c = read(head + R"(def Xform "World" {
+  double3 xformOp:translate = (0, 0, 0)
+  uniform token[] xformOpOrder = ["xformOp:translate"]
+)" + prim + R"(  # a comment }
+  point3f[] positions = [(1, 2, 3), (4, 5, -6e0)] (doc = """long " ( text""")
+  float3[] scales = [(1, 1, 1)]
+  float[] opacities = [0.25, 0.5, 0.75]
+  rel proxyPrim = </World/[x>
+  float3[] radiance:sphericalHarmonicsCoefficients = [(1, 2, 3), (4, 5, 6)]
+  uniform int radiance:sphericalHarmonicsDegree = 0
+  uniform token visibility
+}
+)" + prim + "  point3f[] positions = [(7, 8, 9)]\n  token visibility = \"invisible\"\n}\n}\n");
+  ASSERT_EQ(c.size(), 2u);
+  EXPECT_EQ(c.positions[1], (Vec3{4, 5, -6}));
+  EXPECT_EQ(c.scales[1], (Vec3{1, 1, 1}));
+  EXPECT_EQ(c.opacities[1], 0.5f);
+  EXPECT_EQ(c.harmonics[5], 6);
+  ASSERT_EQ(c.notes.size(), 4u);
+  EXPECT_NE(c.notes[0].find("z axis up"), std::string::npos);
+  EXPECT_NE(c.notes[1].find("invisible splats \"S\""), std::string::npos);
+  EXPECT_NE(c.notes[2].find("3 numbers of scales for 2 splats, which is too few"), std::string::npos);
+  EXPECT_NE(c.notes[3].find("3 numbers of opacities for 2 splats: those that are too many"),
+            std::string::npos);
+
+  const auto fault = [&](const std::string& text) { return message_of(folder.write("t.usda", text)); };
+  const struct {
+    std::string text;
+    const char* expected;
+  } cases[] = {
+      {"", "has no prim of the type ParticleField3DGaussianSplat"},
+      {prim + "}\n", "the prims have no positions"},
+      {prim + "point3f[] positions = [(1, 2)]\n}", "where a number is expected"},
+      {prim + "point3f[] positions = [1, 2]\n}", "a tuple of 3 numbers is expected"},
+      {prim + "point3f[] positions = [(1, 2, 3\n", "tuple that should have 3"},
+      {prim + "point3f[] positions.timeSamples = { 0: [(1, 2, 3)] }\n}", "change with time"},
+      {"def Xform \"W\" { float3 xformOp:scale = (2, 2, 2)\n}", "places its splats by"},
+  };
+  for (const auto& one : cases)
+    EXPECT_NE(fault(head + one.text).find(one.expected), std::string::npos) << one.expected << "\n"
+                                                                            << fault(head + one.text);
+  std::string deep = head;
+  for (int i = 0; i < 1000; ++i) deep += "def \"a\" {\n";
+  EXPECT_NE(fault(deep).find("nested more than"), std::string::npos);
+  EXPECT_NE(message_of(folder.write("t.usdc", "PXR-USDC....")).find("usdcat --flatten"), std::string::npos);
+}
+
+/// A written file, read by usd-core itself where that is installed.
+TEST(Splat, OpenUsdReadsWhatIsWritten) {
+  const char* python = std::getenv("AUREOLE_USD_PYTHON");
+  if (!python)
+    GTEST_SKIP()
+        << "AUREOLE_USD_PYTHON names no Python with usd-core (pip install usd-core): OpenUSD does not judge";
+  const SplatFolder folder;
+  const SplatCloud from = read_splat_file(judged_folder() / "sh3.ply");
+  const fs::path file = folder.path() / "out.usda", seen = folder.path() / "seen.txt";
+  write_splat_file(file, from);
+  const std::string command = std::string(python) + " " +
+                              (source_dir() / "tests/medium/data/make_usd_splats.py").string() + " " +
+                              file.string() + " > " + seen.string();
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  std::ifstream in(seen);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    std::vector<float> v(11 + 3 * from.coefficients());
+    for (float& x : v) ASSERT_TRUE(in >> x);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(v[std::size_t(k)], from.positions[i][k]);
+      EXPECT_EQ(v[std::size_t(7 + k)], from.scales[i][k]);
+    }
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(v[3 + k], from.rotations[i][k]);
+    EXPECT_EQ(v[10], from.opacities[i]);
+    for (std::size_t k = 0; k < 3 * from.coefficients(); ++k) EXPECT_EQ(v[11 + k], from.harmonics_of(i)[k]);
+  }
+  std::string rest;
+  EXPECT_FALSE(in >> rest);
 }
 
 /// Every file, truncated and with changed bytes, is a located error or a cloud of finite numbers.

@@ -127,6 +127,86 @@ TEST(SplatMedium, ThicknessIsTheIntegralOfTheExtinction) {
   EXPECT_GT(most, 1);
 }
 
+TEST(SplatMedium, DistancesInvertTheThickness) {
+  const SplatFolder folder;
+  const auto medium = medium_of(folder.write("s.ply", make_ply(overlapping(60, 9))));
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<double> unit(0, 1);
+  int reached = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Ray ray{{normal(random), normal(random), normal(random)},
+                  normalize(Vec3{normal(random), normal(random), normal(random)})};
+    const double whole = medium->optical_thickness(ray, 3), wanted = 1.3 * whole * unit(random);
+    const float t = medium->distance_of_thickness(ray, 3, wanted);
+    if (wanted >= whole) {
+      EXPECT_EQ(t, kInfinity);
+      continue;
+    }
+    EXPECT_NEAR(medium->optical_thickness(ray, t), wanted, 1e-5 * (1 + wanted)) << i;
+    ++reached;
+  }
+  EXPECT_GT(reached, 60);
+}
+
+TEST(SplatMedium, ScatteredLightIsThatOfACellOfVoxels) {
+  // One wide splat of albedo 0.8 lights as its Gaussian sampled at the voxels of a grid does, which null collisions follow.
+  const SplatFolder folder;
+  PlainSplat s;
+  s.scale = {0.5, 0.5, 0.5}, s.opacity = 0.85;
+  const double encoded = 1.055 * std::pow(0.8, 1 / 2.4) - 0.055;
+  s.color = {encoded, encoded, encoded};
+  const auto file = folder.write("s.ply", make_ply({s}));
+  constexpr int kSide = 96;
+  std::string voxels(kSide * kSide * kSide * 4, 0);
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const auto at = [&](int k) { return 3.2 * (k + 0.5) / kSide - 1.6; };
+    const float density =
+        float(extinction_at({s}, {at(i % kSide), at(i / kSide % kSide), at(i / kSide / kSide)}));
+    std::memcpy(&voxels[std::size_t(4 * i)], &density, 4);
+  }
+  std::string vol = std::string("VOL\3", 4);
+  const auto add = [&](auto v) { vol.append(reinterpret_cast<const char*>(&v), sizeof v); };
+  add(std::int32_t(1)), add(std::int32_t(kSide)), add(std::int32_t(kSide)), add(std::int32_t(kSide)),
+      add(std::int32_t(1));
+  for (int k = 0; k < 6; ++k) add(k < 3 ? -1.6f : 1.6f);
+  const auto grid = folder.write("g.vol", vol + voxels);
+  const auto lit = [&](const std::string& medium, const std::string& integrator, const std::string& light) {
+    return testing::render(
+        R"(<integrator type=")" + integrator +
+        R"("/><sensor type="radiancemeter"><vector name="origin" x="0.2" y="-0.1" z="-4"/><vector name="direction" x="0" y="0" z="1"/>
+      <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/></film>
+      <sampler type="sobol"><integer name="sample_count" value="4096"/></sampler></sensor>)" +
+        light +
+        R"(<shape type="cube"><transform name="to_world"><scale value="1.6"/></transform><bsdf type="null"/>)" +
+        medium + "</shape>");
+  };
+  const std::string splats = R"(<medium type="splats" name="interior"><string name="filename" value=")" +
+                             file.string() + R"("/><string name="file_axes" value="RUB"/></medium>)",
+                    field = R"(<medium type="heterogeneous" name="interior"><float name="albedo" value="0.8"/>
+      <volume type="gridvolume" name="sigma_t"><string name="filename" value=")" +
+                            grid.string() + R"("/><transform name="to_world"><scale value="3.2"/>
+      <translate x="-1.6" y="-1.6" z="-1.6"/></transform></volume></medium>)";
+  const std::string lights[] = {
+      R"(<emitter type="point"><point name="position" x="1" y="2" z="-1.5"/><float name="intensity" value="9"/></emitter>)",
+      R"(<emitter type="constant"><float name="radiance" value="1"/></emitter>)",
+      R"(<shape type="sphere"><point name="center" x="0.5" y="0.6" z="0.4"/><float name="radius" value="0.15"/>
+       <bsdf type="diffuse"/><emitter type="area"><float name="radiance" value="20"/></emitter></shape>)"};
+  for (const std::string& light : lights) {
+    const auto expected = lit(field, "path", light), found = lit(splats, "path", light);
+    EXPECT_GT(expected.all, 0.05);
+    EXPECT_NEAR(found.all, expected.all,
+                4.5 * std::hypot(found.all_error, expected.all_error) + 0.003 * expected.all)
+        << light;
+    const auto two_way = lit(splats, "bdpt", light);
+    if (light.find("constant") == std::string::npos) {
+      EXPECT_NEAR(two_way.all, expected.all,
+                  4.5 * std::hypot(two_way.all_error, expected.all_error) + 0.003 * expected.all)
+          << light;
+    }
+  }
+}
+
 TEST(SplatMedium, OneSplatHasItsOpacityThroughItsCentre) {
   const SplatFolder folder;
   PlainSplat s;
@@ -215,6 +295,30 @@ TEST(SplatMedium, EmissionOfAThickCloudIsItsColour) {
       R"(<string name="color_is" value="emission"/><float name="extinction_scale" value="20"/></medium>)");
   const double linear = std::pow((0.8 + 0.055) / 1.055, 2.4);  // encoded as sRGB
   testing::expect_mean(testing::render(scene), linear, 0.01);
+}
+
+TEST(SplatMedium, EmissionByDirection) {
+  // A thick cloud whose colour is 0.5 + 0.3 d_z / sqrt(3) times the harmonic's factor: bright from one side, dark from the other.
+  const SplatFolder folder;
+  PlainSplat s;
+  s.scale = {1, 1, 1}, s.opacity = 0.5, s.color = {0.5, 0.5, 0.5};
+  s.rest = {{0, 0, 0}, {0.5, 0.5, 0.5}, {0, 0, 0}};
+  const auto file = folder.write("s.ply", make_ply({s}));
+  const auto seen = [&](const char* z, const char* dz) {
+    std::string scene = seen_through(file, "path");
+    scene.replace(scene.find(R"(<float name="radiance" value="1"/>)"), 34,
+                  R"(<float name="radiance" value="0"/>)");
+    scene.replace(
+        scene.find("</medium>"), 9,
+        R"(<string name="color_is" value="emission"/><float name="extinction_scale" value="20"/></medium>)");
+    scene.replace(scene.find("z=\"-4\""), 6, std::string("z=\"") + z + "\"");
+    scene.replace(scene.find("z=\"1\""), 5, std::string("z=\"") + dz + "\"");
+    return testing::render(scene);
+  };
+  const auto linear = [](double c) { return std::pow((c + 0.055) / 1.055, 2.4); };
+  const double factor = std::sqrt(3 / (4 * M_PI));  // of Y_10 = factor z
+  testing::expect_mean(seen("-4", "1"), linear(0.5 + 0.5 * factor), 0.01);
+  testing::expect_mean(seen("4", "-1"), linear(0.5 - 0.5 * factor), 0.01);
 }
 
 TEST(SplatMedium, FlatAndPointSplatsAreNoted) {

@@ -89,6 +89,7 @@ public:
   bool is_uniform() const override { return medium_->is_uniform(); }
   bool has_uniform_emission() const override { return medium_->has_uniform_emission(); }
   bool emits() const override { return medium_->emits(); }
+  bool emits_by_direction() const override { return medium_->emits_by_direction(); }
   bool scatters() const override { return medium_->scatters(); }
   float sampling_weight() const override { return medium_->sampling_weight(); }
 

@@ -4,9 +4,10 @@
 
 #include <cmath>
 
-#include "aureole/core/image.h"
 #include "aureole/integrator/aov_channels.h"
 #include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/splat/blended_light.h"
+#include "aureole/integrator/splat/ray_splats.h"
 #include "aureole/integrator/splat/splat_blend.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/path_density.h"
@@ -70,9 +71,22 @@ public:
     if (scene.sensor().sensor->medium())
       throw Error(scene.sensor().sensor->properties().where(),
                   "\"splat\" passes no medium: state none on the sensor");
-    if (!scene.sensor().pinhole())
-      throw Error(scene.sensor().sensor->properties().where(),
-                  "\"splat\" projects splats through one point: use the sensor \"perspective\"");
+    const bool has_pinhole = scene.sensor().pinhole().has_value();
+    if (!has_pinhole && !settings_.blends())
+      throw Error(
+          scene.sensor().sensor->properties().where(),
+          "points are projected through one point: use the sensor \"perspective\", or the footprint \"3dgs\" for "
+          "Gaussian splats, which rays can follow");
+    if (!has_pinhole && settings_.method == SplatSettings::Method::projection)
+      throw Error(
+          scene.sensor().sensor->properties().where(),
+          "splats are projected through one point: use the sensor \"perspective\", or the method \"rays\"");
+    if (uses_rays(scene) && settings_.method == SplatSettings::Method::automatic)
+      for (const char* name :
+           {"sorting", "projection", "compensation", "dilation", "jacobian_limit", "evaluated_at"})
+        if (properties().has(name))
+          properties().note(name,
+                            "has no effect: this sensor follows splats by rays, in their order along each");
     SplatConventions::of(media, settings_, properties());
     for (const SplatMedium* medium : media) {
       if (medium->emission_scale() != media.front()->emission_scale())
@@ -85,6 +99,14 @@ public:
         if (!(max_component(s) > 0))
           throw medium->properties().error(
               "radius", "points without a radius have no footprint but \"point\": state their radius");
+    }
+    if (uses_rays(scene)) {
+      for (const SplatMedium* medium : media)
+        if (medium->cloud().kind == SplatCloud::Kind::points)
+          throw medium->properties().error("filename", "holds points; rays see Gaussian splats");
+      if (along_rays(scene)->size() == 0)
+        properties().note("", "none of the splats has an opacity and an extent");
+      return;
     }
     const auto splats = projected(scene);
     if (splats->without_area() > 0)
@@ -110,31 +132,29 @@ public:
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
-    const auto projection = projected(scene);
-    const Vec3 eye = scene.sensor().pinhole()->to_camera.inverse().point({0, 0, 0});
     Ray rays[kBatch];
     float ends[kBatch];
     for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
     if (!settings_.background)
       find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
 
-    // Samples at one position, as at a pixel's centre, are blended once.
-    static_assert(kBatch <= kSplatLanes);
     SplatSample samples[kBatch];
-    int sample_of[kBatch], count = 0;
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-      SplatSample s;
-      s.film = paths[i].film;
-      if (settings_.at_pixel_center) s.film = {std::floor(s.film.x) + 0.5f, std::floor(s.film.y) + 0.5f};
-      if (ends[i] < kInfinity) s.limit = length(rays[i].o - eye) + ends[i];
-      int k = 0;
-      while (k < count &&
-             !(samples[k].film.x == s.film.x && samples[k].film.y == s.film.y && samples[k].limit == s.limit))
-        ++k;
-      if (k == count) samples[count++] = s;
-      sample_of[i] = k;
+    int sample_of[kBatch];
+    bool is_encoded;
+    if (uses_rays(scene)) {
+      const auto splats_of_rays = along_rays(scene);
+      for (std::size_t i = 0; i < paths.size(); ++i) {
+        Ray ray = rays[i];
+        ray.t_max = std::min(ray.t_max, ends[i]);
+        splats_of_rays->blend(settings_, ray, samples[i]);
+        sample_of[i] = int(i);
+      }
+      is_encoded = is_encoded_by(SplatConventions::of(splat_media(scene), settings_, properties()));
+    } else {
+      const auto projection = projected(scene);
+      is_encoded = is_encoded_by(projection->conventions());
+      blend_projected(scene, *projection, rays, ends, paths, samples, sample_of);
     }
-    blend_splats(*projection, settings_, {samples, std::size_t(count)});
 
     if (!settings_.background) {
       // The nested integrator begins at the first surface, or behind all media.
@@ -153,7 +173,7 @@ public:
       if (settings_.background) path.result = {};
       const float passes = settings_.background ? 0.f : s.transmittance;
       path.result.estimate = path.result.estimate * passes +
-                             single_estimate(light_of(scene, *projection, s, path), path.wavelengths);
+                             single_estimate(light_of(scene, is_encoded, s, path), path.wavelengths);
       path.result.alpha = 1 - passes * (1 - path.result.alpha);
       if (!measures_) continue;
       for (int k = 0; k < 3; ++k) path.aovs[k] = s.color[k];
@@ -174,25 +194,45 @@ private:
     });
   }
 
-  /// The light of blended splats: their colour is a radiance in units of D65, as the colour of an <rgb>
-  /// emitter.
-  Spectrum light_of(const Scene& scene, const ProjectedSplats& splats, const SplatSample& s,
-                    const Path& path) const {
-    const bool is_encoded = settings_.blends() && splats.conventions().colors == SplatHints::Colors::srgb;
-    float rgb[3];
-    const float opacity = 1 - s.transmittance;
-    for (int k = 0; k < 3; ++k) {
-      rgb[k] = s.color[k];
-      if (settings_.background) {
-        rgb[k] += s.transmittance * (*settings_.background)[k];
-        if (is_encoded) rgb[k] = srgb_decode(rgb[k]);
-      } else if (is_encoded && opacity > 0) {
-        rgb[k] = opacity * srgb_decode(rgb[k] / opacity);
-      }
+  bool uses_rays(const Scene& scene) const {
+    return settings_.method == SplatSettings::Method::rays ||
+           (settings_.method == SplatSettings::Method::automatic && !scene.sensor().pinhole());
+  }
+  std::shared_ptr<const RaySplats> along_rays(const Scene& scene) const {
+    return scene.tables().get<RaySplats>(
+        settings_.key(), [&] { return std::make_shared<const RaySplats>(splat_media(scene), settings_); });
+  }
+  bool is_encoded_by(const SplatConventions& conventions) const {
+    return settings_.blends() && conventions.colors == SplatHints::Colors::srgb;
+  }
+
+  /// Blends projected splats. Samples at one position, as those of a pixel's centre, are blended once.
+  void blend_projected(const Scene& scene, const ProjectedSplats& projection, const Ray rays[],
+                       const float ends[], std::span<const Path> paths, SplatSample samples[],
+                       int sample_of[]) const {
+    const Vec3 eye = scene.sensor().pinhole()->to_camera.inverse().point({0, 0, 0});
+    static_assert(kBatch <= kSplatLanes);
+    int count = 0;
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      SplatSample s;
+      s.film = paths[i].film;
+      if (settings_.at_pixel_center) s.film = {std::floor(s.film.x) + 0.5f, std::floor(s.film.y) + 0.5f};
+      if (ends[i] < kInfinity) s.limit = length(rays[i].o - eye) + ends[i];
+      int k = 0;
+      while (k < count &&
+             !(samples[k].film.x == s.film.x && samples[k].film.y == s.film.y && samples[k].limit == s.limit))
+        ++k;
+      if (k == count) samples[count++] = s;
+      sample_of[i] = k;
     }
-    const float scale = splat_media(scene).front()->emission_scale();
-    return ColorBasis(path.wavelengths.nm).eval(ColorWeights::of_linear_rgb(rgb[0], rgb[1], rgb[2])) *
-           d65_.eval(path.wavelengths) * scale;
+    blend_splats(projection, settings_, {samples, std::size_t(count)});
+  }
+
+  /// The light of blended splats: their colour is a radiance in units of D65, as that of an <rgb> emitter.
+  Spectrum light_of(const Scene& scene, bool is_encoded, const SplatSample& s, const Path& path) const {
+    return blended_light(s.color, s.transmittance, settings_.background, is_encoded, path.wavelengths.nm,
+                         d65_.eval(path.wavelengths)) *
+           splat_media(scene).front()->emission_scale();
   }
 
   SplatSettings settings_;
@@ -225,7 +265,7 @@ AUREOLE_PLUGIN(
     <float name="opacity_cap" value="0.999"/><float name="opacity_limit" value="0.004"/><float name="termination" value="0.0001"/>
     <float name="near" value="0.01"/><float name="jacobian_limit" value="1.3"/><string name="evaluated_at" value="sample"/>
     <boolean name="measures" value="true"/><integrator type="direct"/></integrator>)",
-         R"(<integrator type="splat"><string name="background" value="1, 1, 1"/></integrator>)",
+         R"(<integrator type="splat"><string name="method" value="rays"/><string name="background" value="1, 1, 1"/></integrator>)",
          R"(<integrator type="splat"><string name="footprint" value="ewa"/><string name="normalization" value="weights"/>
     <float name="depth_range" value="2"/></integrator>)"}});
 

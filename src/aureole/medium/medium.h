@@ -16,7 +16,7 @@ namespace aureole {
 struct MediumCoefficients {
   Spectrum sigma_t{0.f};   ///< extinction [1/length]
   Spectrum sigma_s{0.f};   ///< scattering [1/length], at most sigma_t
-  Spectrum emission{0.f};  ///< emitted radiance per length, equal in all directions
+  Spectrum emission{0.f};  ///< emitted radiance per length, towards the origin of a ray
 };
 
 class Medium : public Object {
@@ -24,7 +24,8 @@ public:
   static constexpr const char* kFamily = "a medium";
   using Object::Object;
 
-  /// Evaluates the coefficients at the point p in world space, for light that travels along `d` or -d.
+  /// Evaluates the coefficients at the point p in world space, for light that travels along `d` or -d; the emission is that
+  /// of light along -d, which a viewer who looks along `d` sees.
   virtual void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const = 0;
   virtual const PhaseFunction& phase() const = 0;
 
@@ -33,10 +34,22 @@ public:
   virtual Majorants majorants() const { return {}; }
   virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
 
-  /// Whether `eval` is constant in space. `has_uniform_emission` says whether the emission is.
+  /// Whether the two functions below give the optical thickness along rays in closed form. For media that vary, do not emit,
+  /// and have one extinction at all wavelengths: distances are then sampled by it, and connections have no noise.
+  virtual bool has_closed_form() const { return false; }
+  /// Optical thickness along a ray of unit direction up to the distance t_max.
+  virtual double optical_thickness(const Ray& /*ray*/, float /*t_max*/) const { return 0; }
+  /// The distance at which the thickness is `wanted`; infinity where that is beyond t_max.
+  virtual float distance_of_thickness(const Ray& /*ray*/, float /*t_max*/, double /*wanted*/) const {
+    return kInfinity;
+  }
+
+  /// Whether `eval` is constant in space; `has_uniform_emission` says so of the emission alone.
   virtual bool is_uniform() const = 0;
   virtual bool has_uniform_emission() const = 0;
   virtual bool emits() const = 0;
+  /// Whether the emission depends on the direction.
+  virtual bool emits_by_direction() const { return false; }
   /// Whether light can be scattered; false if the albedo is 0 everywhere.
   virtual bool scatters() const { return true; }
   /// Factor of the probability with which next-event estimation chooses this medium's emission; 0: never.

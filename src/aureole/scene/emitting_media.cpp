@@ -81,7 +81,20 @@ EmittingMedia::EmittingMedia(std::span<const Filled> filled, const SampledSpectr
     const std::size_t nx = std::size_t(r.cells[0]), ny = std::size_t(r.cells[1]);
     std::vector<float> weights(nx * ny * std::size_t(r.cells[2]));
     const auto emission = [&](const Vec3& unit, const Wavelengths& at_w, MediumCoefficients& at) {
-      r.medium->eval(r.from_unit.point(unit), {0, 0, 1}, at_w, at);
+      const Vec3 p = r.from_unit.point(unit);
+      if (!r.medium->emits_by_direction()) {
+        r.medium->eval(p, {0, 0, 1}, at_w, at);
+        return;
+      }
+      // The mean over the directions to the corners of a cube, so that a position that emits to one side alone has a
+      // probability, too.
+      Spectrum sum = 0.f;
+      for (int corner = 0; corner < 8; ++corner) {
+        constexpr float k = 0.57735027f;
+        r.medium->eval(p, {corner & 1 ? k : -k, corner & 2 ? k : -k, corner & 4 ? k : -k}, at_w, at);
+        sum += at.emission;
+      }
+      at.emission = sum * (1.f / 8);
     };
     for_ranges(
         weights.size(),

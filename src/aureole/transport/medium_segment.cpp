@@ -152,10 +152,32 @@ bool sample_null_collisions(const Medium& medium, const Majorants& majorants, co
   return false;
 }
 
+/// The extinction is that of all wavelengths and its integral is known: the distance has the density sigma T, and no
+/// collision is null.
+bool sample_closed_form(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
+                        DistanceRandom random, Passage& passage, float& t) {
+  const double wanted = double(free_path(random.first));
+  t = medium.distance_of_thickness(ray, t_max, wanted);
+  MediumCoefficients at;
+  if (t < t_max) medium.eval(ray.o + ray.d * t, ray.d, w, at);
+  if (!(t < t_max) || !(at.sigma_t[0] > 0)) {
+    // By rounding, the end of a splat may be hit just outside of it.
+    passage.value = passage.flight = 1.f;
+    passage.connection = float(std::exp(t < t_max ? wanted : medium.optical_thickness(ray, t_max)));
+    t = kInfinity;
+    return false;
+  }
+  passage.value = at.sigma_s * (1 / at.sigma_t[0]);
+  passage.flight = 1.f;
+  passage.connection = float(std::exp(wanted)) / at.sigma_t[0];
+  return true;
+}
+
 }  // namespace
 
 bool sample_distance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                      DistanceRandom random, Passage& passage, SegmentEmission* emission_sum, float& t) {
+  if (medium.has_closed_form()) return sample_closed_form(medium, ray, t_max, w, random, passage, t);
   if (const Majorants majorants = medium.majorants())
     return sample_null_collisions(medium, majorants, ray, t_max, w, random, passage, emission_sum, t);
   return sample_uniform(medium, ray, t_max, w, random, passage, emission_sum, t);
@@ -210,6 +232,7 @@ Spectrum passed_uniformly(const Medium& medium, const Ray& ray, float t_max, con
 
 Transmittance transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                             std::uint32_t key, SegmentEmission* emission_sum) {
+  if (medium.has_closed_form()) return {Spectrum(float(std::exp(-medium.optical_thickness(ray, t_max))))};
   const Majorants majorants = medium.majorants();
   if (!majorants) {
     MediumCoefficients at;
@@ -237,6 +260,7 @@ Transmittance transmittance(const Medium& medium, const Ray& ray, float t_max, c
 
 Spectrum transmittance_to(const Medium& medium, const Ray& ray, float t, const Wavelengths& w,
                           std::uint32_t key) {
+  if (medium.has_closed_form()) return float(std::exp(-medium.optical_thickness(ray, t)));
   const Majorants majorants = medium.majorants();
   if (!majorants) return passed_uniformly(medium, ray, t, w);
   return track_ratio(

@@ -8,6 +8,7 @@
 #include "aureole/core/image.h"
 #include "aureole/core/input_file.h"
 #include "aureole/parameter/grid/scalar_grid.h"
+#include "aureole/parameter/radiance/radiance_voxels.h"
 
 namespace aureole {
 
@@ -29,10 +30,12 @@ bool is_xml(const std::filesystem::path& file) {
 
 FileInfo file_info(const std::filesystem::path& file,
                    const std::vector<std::pair<std::string, std::string>>& defines) {
+  const bool is_radiance_grid = is_radiance_voxels_file(file);
   const bool holds_splats = is_splats(file);                          // .spz is gzip, as NIfTI may be
   const bool is_volume = !holds_splats && is_scalar_grid_file(file);  // .vti is XML, too
-  if (!holds_splats && !is_volume && is_xml(file)) return scene_info(file, defines);
+  if (!is_radiance_grid && !holds_splats && !is_volume && is_xml(file)) return scene_info(file, defines);
   if (!defines.empty()) throw Error("-D sets names of scenes: " + file.string() + " is not a scene file");
+  if (is_radiance_grid) return radiance_grid_info(file);
   if (is_volume) return volume_info(file);
   if (holds_splats) return splat_info(file);
   if (file.extension() == ".state") return state_info(file);
@@ -40,7 +43,7 @@ FileInfo file_info(const std::filesystem::path& file,
   throw Error(
       {file.string(), 0, 0},
       "is neither a scene file (XML) nor a picture (EXR, PNG, JPEG, TIFF, PFM, HDR, TGA, BMP) nor a volume "
-      "(NRRD, MetaImage, NIfTI, .vti, .npy, .vol), splats (PLY, .spz, .splat, glTF) nor a .state file");
+      "(NRRD, MetaImage, NIfTI, .vti, .npy, .vol), splats (PLY, .spz, .splat, glTF, .usda), a radiance grid (.npz) nor a .state file");
 }
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Descriptions of scenes, pictures, volumes, splats and state files, as `aureole info` prints them.
+// Descriptions of scenes, pictures, volumes, splats, radiance grids and state files, as `aureole info` prints them.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace aureole {
 /// A description in lines. Each begins with a label of at most 12 letters, filled up to 13 columns, or with blanks where it
 /// goes on with the line above.
 struct FileInfo {
-  std::string kind;                ///< "scene", "picture", "volume", "splats" or "state"
+  std::string kind;                ///< "scene", "picture", "volume", "splats", "radiance grid" or "state"
   std::string text;                ///< whole lines
   std::vector<std::string> notes;  ///< how the file was understood where that is not obvious
 };
@@ -36,5 +36,7 @@ FileInfo volume_info(const std::filesystem::path& file);
 bool is_splats(const std::filesystem::path& file);
 /// Describes what a file of splats holds and by which conventions. Implemented in splat_info.cpp.
 FileInfo splat_info(const std::filesystem::path& file);
+/// Describes size, stored voxels and range of densities of a radiance grid. Implemented in splat_info.cpp.
+FileInfo radiance_grid_info(const std::filesystem::path& file);
 
 }  // namespace aureole

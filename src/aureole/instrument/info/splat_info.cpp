@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Description of a file of splats, for `aureole info`.
+// Descriptions of files of splats and of radiance grids, for `aureole info`.
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "aureole/instrument/info/file_info.h"
 #include "aureole/instrument/info/printed_text.h"
+#include "aureole/parameter/radiance/radiance_voxels.h"
 #include "aureole/parameter/splat/splat_cloud.h"
 
 namespace aureole {
 
 bool is_splats(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
-  return extension == ".ply" || extension == ".glb" || extension == ".gltf" || is_splat_file(file);
+  return extension == ".ply" || extension == ".glb" || extension == ".gltf" || extension == ".usda" ||
+         is_splat_file(file);
 }
 
 FileInfo splat_info(const std::filesystem::path& file) {
@@ -47,6 +49,23 @@ FileInfo splat_info(const std::filesystem::path& file) {
            h.colors == SplatHints::Colors::srgb ? "sRGB" : "linear",
            h.antialiased ? ", opacities compensated for dilation" : "");
   add_text(out, "memory       {:.1f} MB\n", double(cloud.memory_bytes()) / 1e6);
+  return info;
+}
+
+FileInfo radiance_grid_info(const std::filesystem::path& file) {
+  FileInfo info{"radiance grid", "", {}};
+  std::string& out = info.text;
+  const RadianceVoxels g = read_radiance_voxels(file);
+  for (const std::string& note : g.notes) info.notes.push_back(file.string() + " " + note);
+  add_text(out, "radiance     {} (.npz of Plenoxels)\n", file.string());
+  add_text(out, "size         {} x {} x {} voxels, {} of them stored\n", g.size[0], g.size[1], g.size[2], g.stored());
+  const Vec3 lower = g.center - g.radius, upper = g.center + g.radius;
+  add_text(out, "box          ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", lower.x, lower.y, lower.z, upper.x,
+           upper.y, upper.z);
+  const auto [least, most] = std::minmax_element(g.densities.begin(), g.densities.end());
+  add_text(out, "densities    {:.4g} to {:.4g} per length\n", *least, *most);
+  add_text(out, "harmonics    degree {}\n", g.degree);
+  add_text(out, "memory       {:.1f} MB\n", double(g.memory_bytes()) / 1e6);
   return info;
 }
 

@@ -96,7 +96,7 @@ private:
     if (s.segment.medium != place.medium) return false;
     if (!(place.medium->majorants().bound_at(place.p) > 0)) return false;
     MediumCoefficients at;
-    place.medium->eval(place.p, d, p.wavelengths, at);
+    place.medium->eval(place.p, -d, p.wavelengths, at);
     const float pdf = share * place.pdf * uniform_sphere_pdf();
     if (is_black(at.emission) || !(pdf > 0)) return false;
     s.density.beta = L::emitted(at.emission);

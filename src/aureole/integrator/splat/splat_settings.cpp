@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "aureole/core/random.h"
-#include "aureole/plugin/number_list.h"
+#include "aureole/integrator/splat/blended_light.h"
 
 namespace aureole {
 
@@ -16,6 +16,8 @@ SplatSettings SplatSettings::read(const Properties& p) {
   s.normalization = p.get_choice("normalization", "weights", {"weights", "none"}) == "none"
                         ? Normalization::none
                         : Normalization::weights;
+  const std::string method = p.get_choice("method", "auto", {"auto", "projection", "rays"});
+  s.method = method == "auto" ? Method::automatic : method == "rays" ? Method::rays : Method::projection;
   const std::string sorting = p.get_choice("sorting", "file", {"file", "z_depth", "camera_distance"});
   if (sorting != "file")
     s.sorting = sorting == "z_depth" ? SplatHints::Sorting::z_depth : SplatHints::Sorting::camera_distance;
@@ -40,13 +42,7 @@ SplatSettings SplatSettings::read(const Properties& p) {
   s.depth_range = float(p.get_float("depth_range", 2, Range::non_negative()));
   s.at_pixel_center =
       p.get_choice("evaluated_at", "pixel_center", {"pixel_center", "sample"}) == "pixel_center";
-  if (p.has("background")) {
-    const std::vector<double> rgb = get_number_list(p, "background");
-    if (rgb.size() != 3)
-      throw p.error("background", "expected three numbers, red, green and blue, such as \"1, 1, 1\"");
-    s.background = Vec3{float(rgb[0]), float(rgb[1]), float(rgb[2])};
-    if (!(rgb[0] >= 0 && rgb[1] >= 0 && rgb[2] >= 0)) throw p.error("background", "must not be negative");
-  }
+  s.background = read_background(p);
   const auto only_for = [&](bool applies, std::initializer_list<const char*> names, const char* shown) {
     for (const char* name : names)
       if (!applies && p.has(name))
@@ -58,6 +54,14 @@ SplatSettings SplatSettings::read(const Properties& p) {
   only_for(s.blends() || s.footprint == Footprint::gaussian || is_ewa, {"cutoff"},
            "\"3dgs\", \"gaussian\" and \"ewa\"");
   only_for(s.blends() || is_ewa, {"dilation"}, "\"3dgs\" and \"ewa\"");
+  if (!s.blends() && s.method == Method::rays)
+    throw p.error("method", "\"rays\" is for the footprint \"3dgs\"");
+  if (s.method == Method::rays)
+    for (const char* name :
+         {"sorting", "projection", "compensation", "dilation", "jacobian_limit", "evaluated_at"})
+      if (p.has(name))
+        throw p.error(
+            name, "has no effect on rays, which see splats as they are; it is for the method \"projection\"");
   if (!s.blends() && s.projection == SplatHints::Projection::tangential)
     throw p.error("projection", "\"tangential\" is for the footprint \"3dgs\"");
   return s;
@@ -68,7 +72,8 @@ std::uint64_t SplatSettings::key() const {
   const auto add = [&](std::uint64_t bits) { k = combine_bits(k, bits); };
   const auto number = [&](float f) { add(std::bit_cast<std::uint32_t>(f)); };
   const auto choice = [&](const auto& o) { add(o ? 1 + std::uint64_t(*o) : 0); };
-  add(std::uint64_t(footprint)), add(std::uint64_t(normalization)), add(std::uint64_t(compensation));
+  add(std::uint64_t(method)), add(std::uint64_t(footprint)), add(std::uint64_t(normalization)),
+      add(std::uint64_t(compensation));
   choice(sorting), choice(projection), choice(colors);
   for (const float f :
        {dilation, cutoff, opacity_cap, opacity_limit, termination, near, jacobian_limit, depth_range})
@@ -87,6 +92,10 @@ std::vector<ParameterDoc> SplatSettings::rows() {
       {"normalization", "string", "", "weights",
        "of the interpolating footprints: weights, the sum of colours is divided by that of the weights, so that a constant stays "
        "constant; none, the sum itself"},
+      {"method", "string", "", "auto",
+       "projection: splats are projected and sorted once for the picture, which needs a sensor \"perspective\"; rays: each ray sees a "
+       "splat by the largest value of its Gaussian along it, in the order of these places, for every sensor and without dilation; "
+       "auto: projection where the sensor allows it"},
       {"sorting", "string", "", "file",
        "z_depth, by depth along the optical axis (3D Gaussian splatting, OpenUSD), or camera_distance (KHR_gaussian_splatting); "
        "file: as the file or its format says, z_depth for all but glTF"},

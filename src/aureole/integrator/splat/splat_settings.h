@@ -19,10 +19,13 @@ struct SplatSettings {
   /// the sum.
   enum class Normalization { weights, none };
   enum class Compensation { file, on, off };
+  /// How a splat meets the picture: projected on it, or by each ray; by itself projected where the sensor is a pinhole.
+  enum class Method { automatic, projection, rays };
 
   Footprint footprint;
   Normalization normalization;
-  std::optional<SplatHints::Sorting> sorting;  ///< order of splats; empty: as the file states
+  Method method;
+  std::optional<SplatHints::Sorting> sorting;  ///< empty: that of the file
   std::optional<SplatHints::Projection> projection;
   std::optional<SplatHints::Colors> colors;
   Compensation compensation;

@@ -46,7 +46,7 @@ constexpr double kThinnest = 0.01;
 }  // namespace
 
 SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const Options& options)
-    : options_(options) {
+    : cloud_(cloud), turn_(to_world.orthogonal_part().inverse()), options_(options) {
   splats_.reserve(cloud.size());
   boxes_.reserve(cloud.size());
   const auto& m = to_world.matrix();
@@ -86,6 +86,7 @@ SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const
     rows[3][3] = 1;
     const auto inverse = Transform(rows).inverse().matrix();
     Splat splat;
+    splat.index = std::uint32_t(i);
     splat.center = to_world.point(cloud.positions[i]);
     for (std::size_t row = 0; row < 3; ++row)
       splat.whiten[row] = {float(inverse[row][0]), float(inverse[row][1]), float(inverse[row][2])};
@@ -113,7 +114,6 @@ SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const
       ++without_extent_;
       continue;
     }
-    bounds_.extend(box);
     splats_.push_back(splat), boxes_.push_back(box);
     // The largest singular value of a matrix is at most the root of the sum of all squares.
     longest_.push_back(float(
@@ -125,142 +125,126 @@ SplatField::SplatField(const SplatCloud& cloud, const Transform& to_world, const
 }
 
 void SplatField::make_cells() {
-  // The grid has some 32 cubic cells for each splat: splats of surfaces are thin, and bounds of large cells
-  // would be far above the extinction. Fewer where splats are so large that cells would list too many of
-  // them.
-  const Vec3 size = max(bounds_.diagonal(), Vec3{1, 1, 1} * (1e-6f * max_component(bounds_.diagonal())));
-  double wanted = std::clamp(32. * double(splats_.size()), 4096., double(1 << 24));
-  constexpr double kMaxEntries = double(1 << 27);
-  const auto range = [&](const Bounds3& box, int axis, int& from, int& to) {
-    const float scale = per_length_[axis];
-    const auto index = [&](float x) {
-      return std::clamp(int(std::floor((x - bounds_.lower[axis]) * scale)), 0, cells_[std::size_t(axis)] - 1);
-    };
-    from = index(box.lower[axis]), to = index(box.upper[axis]);
-  };
-  for (;;) {
-    const double edge = std::cbrt(double(size.x) * double(size.y) * double(size.z) / wanted);
-    for (int axis = 0; axis < 3; ++axis) {
-      cells_[std::size_t(axis)] = int(std::clamp(std::ceil(double(size[axis]) / edge), 1., 1024.));
-      per_length_[axis] = float(cells_[std::size_t(axis)]) / size[axis];
-    }
-    double entries = 0;
-    for (const Bounds3& box : boxes_) {
-      double n = 1;
-      for (int axis = 0; axis < 3; ++axis) {
-        int from, to;
-        range(box, axis, from, to);
-        n *= double(to - from + 1);
-      }
-      entries += n;
-    }
-    if (entries <= kMaxEntries || wanted <= 64) break;
-    wanted /= 8;
-  }
-  const std::size_t nx = std::size_t(cells_[0]), ny = std::size_t(cells_[1]), nz = std::size_t(cells_[2]);
-  first_.assign(nx * ny * nz + 1, 0);
-  const auto for_cells = [&](std::size_t i, const auto& visit) {
-    int from[3], to[3];
-    for (int axis = 0; axis < 3; ++axis) range(boxes_[i], axis, from[axis], to[axis]);
-    for (int z = from[2]; z <= to[2]; ++z)
-      for (int y = from[1]; y <= to[1]; ++y)
-        for (int x = from[0]; x <= to[0]; ++x)
-          visit((std::size_t(z) * ny + std::size_t(y)) * nx + std::size_t(x));
-  };
-  for (std::size_t i = 0; i < splats_.size(); ++i)
-    for_cells(i, [&](std::size_t cell) { ++first_[cell + 1]; });
-  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-  entries_.resize(std::size_t(first_.back()));
-  std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
-  for (std::size_t i = 0; i < splats_.size(); ++i)
-    for_cells(i, [&](std::size_t cell) { entries_[std::size_t(next[cell]++)] = std::uint32_t(i); });
+  cells_ = SplatCells(boxes_);
   std::vector<Bounds3>().swap(boxes_);
-
-  std::vector<float> bounds(first_.size() - 1);
-  const Vec3 edge{1 / per_length_.x, 1 / per_length_.y, 1 / per_length_.z};
+  std::vector<float> bounds(cells_.count());
   for_ranges(
       bounds.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-          Bounds3 box;
-          box.lower = bounds_.lower + edge * Vec3{float(k % nx), float(k / nx % ny), float(k / nx / ny)};
-          box.upper = box.lower + edge;
+          const Bounds3 box = cells_.box(k);
           double sum = 0;
-          for (std::uint64_t e = first_[k]; e < first_[k + 1]; ++e) {
-            const Splat& s = splats_[entries_[std::size_t(e)]];
+          for (const std::uint32_t index : cells_.entries(k)) {
+            const Splat& s = splats_[index];
             // The Gaussian falls at least as fast as the sphere of its longest scale. A margin covers the rounding of
             // points to the next cell.
             Bounds3 center;
             center.extend(s.center);
-            const double d = std::max(0., std::sqrt(double(squared_distance(box, center))) * 0.999 /
-                                                  double(longest_[entries_[std::size_t(e)]]) -
-                                              1e-3);
+            const double d = std::max(
+                0.,
+                std::sqrt(double(squared_distance(box, center))) * 0.999 / double(longest_[index]) - 1e-3);
             sum += double(s.peak) * std::exp(-0.5 * d * d);
           }
           bounds[k] = float(sum * (1 + 1e-5));
         }
       },
       256);
-  const Transform to_box =
-      Transform::scale(double(per_length_.x) / double(nx), double(per_length_.y) / double(ny),
-                       double(per_length_.z) / double(nz)) *
-      Transform::translate(-double(bounds_.lower.x), -double(bounds_.lower.y), -double(bounds_.lower.z));
-  grid_.emplace(to_box, cells_, std::move(bounds));
+  grid_.emplace(cells_.to_box(), cells_.size(), std::move(bounds));
   std::vector<float>().swap(longest_);
 }
 
-std::size_t SplatField::cell_of(const Vec3& p) const {
-  std::size_t cell = 0;
-  for (int axis = 2; axis >= 0; --axis) {
-    const float x = (p[axis] - bounds_.lower[axis]) * per_length_[axis];
-    if (!(x >= 0 && x <= float(cells_[std::size_t(axis)]))) return first_.size();
-    cell = cell * std::size_t(cells_[std::size_t(axis)]) +
-           std::size_t(std::min(int(x), cells_[std::size_t(axis)] - 1));
-  }
-  return cell;
-}
-
-SplatField::Sample SplatField::at(const Vec3& p) const {
+template <class ColorOf>
+SplatField::Sample SplatField::sum_at(const Vec3& p, const ColorOf& color_of) const {
   Sample sample;
-  const std::size_t cell = cell_of(p);
-  if (cell + 1 >= first_.size()) return sample;
+  const std::size_t cell = cells_.cell_of(p);
+  if (cell >= cells_.count()) return sample;
   const float limit = options_.cutoff * options_.cutoff;
-  for (std::uint64_t e = first_[cell]; e < first_[cell + 1]; ++e) {
-    const Splat& s = splats_[entries_[std::size_t(e)]];
+  for (const std::uint32_t index : cells_.entries(cell)) {
+    const Splat& s = splats_[index];
     const float d2 = length_squared(s.whitened(p - s.center));
     if (!(d2 <= limit)) continue;
     const float extinction = s.peak * std::exp(-0.5f * d2);
+    const ColorWeights color = color_of(s);
     sample.extinction += extinction;
-    sample.color.white += extinction * s.color.white, sample.color.red += extinction * s.color.red;
-    sample.color.green += extinction * s.color.green, sample.color.blue += extinction * s.color.blue;
+    sample.color.white += extinction * color.white, sample.color.red += extinction * color.red;
+    sample.color.green += extinction * color.green, sample.color.blue += extinction * color.blue;
   }
   return sample;
+}
+
+SplatField::Sample SplatField::at(const Vec3& p) const {
+  return sum_at(p, [](const Splat& s) { return s.color; });
+}
+
+SplatField::Sample SplatField::seen_along(const Vec3& p, const Vec3& d) const {
+  float functions[16];
+  eval_harmonics(cloud_.degree, normalize(turn_.vector(d)), functions);
+  return sum_at(p, [&](const Splat& s) {
+    const Vec3 c = harmonic_color(cloud_.harmonics_of(s.index), functions, cloud_.coefficients());
+    float rgb[3];
+    for (int k = 0; k < 3; ++k) {
+      rgb[k] = std::max(0.f, c[k]);
+      if (cloud_.hints.colors == SplatHints::Colors::srgb) rgb[k] = srgb_decode(rgb[k]);
+    }
+    return ColorWeights::of_linear_rgb(rgb[0], rgb[1], rgb[2]);
+  });
+}
+
+double SplatField::SplatOnRay::up_to(double t) const {
+  return t > from ? scale * (std::erf(root * (std::min(t, to) - middle)) - low) : 0;
+}
+
+template <class Visit>
+void SplatField::for_splats(const Ray& ray, const MajorantGrid::Piece& piece, const Visit& visit) const {
+  const std::size_t cell = cells_.cell_of(ray.o + ray.d * (0.5f * (piece.begin + piece.end)));
+  if (cell >= cells_.count()) return;
+  for (const std::uint32_t index : cells_.entries(cell)) {
+    const Splat& s = splats_[index];
+    const Vec3 a = s.whitened(ray.o - s.center), b = s.whitened(ray.d);
+    const double bb = double(dot(b, b)), middle = -double(dot(a, b)) / bb;
+    const Vec3 nearest = a + b * float(middle);
+    const double d2 = double(length_squared(nearest)),
+                 left = double(options_.cutoff) * double(options_.cutoff) - d2;
+    if (!(left > 0)) continue;
+    const double half = std::sqrt(left / bb), from = std::max(double(piece.begin), middle - half),
+                 to = std::min(double(piece.end), middle + half);
+    if (!(to > from)) continue;
+    const double root = std::sqrt(bb / 2);
+    visit(SplatOnRay{double(s.peak) * std::exp(-0.5 * d2) * std::sqrt(kPiD / (2 * bb)), root, middle, from,
+                     to, std::erf(root * (from - middle))});
+  }
 }
 
 double SplatField::optical_thickness(const Ray& ray, float t_max) const {
   double sum = 0;
   MajorantGrid::Walk walk(*grid_, ray, t_max);
   MajorantGrid::Piece piece;
-  while (walk.next(piece)) {
-    const std::size_t cell = cell_of(ray.o + ray.d * (0.5f * (piece.begin + piece.end)));
-    if (cell + 1 >= first_.size()) continue;
-    for (std::uint64_t e = first_[cell]; e < first_[cell + 1]; ++e) {
-      const Splat& s = splats_[entries_[std::size_t(e)]];
-      const Vec3 a = s.whitened(ray.o - s.center), b = s.whitened(ray.d);
-      const double bb = double(dot(b, b)), middle = -double(dot(a, b)) / bb;
-      const Vec3 nearest = a + b * float(middle);
-      const double d2 = double(length_squared(nearest)),
-                   left = double(options_.cutoff) * double(options_.cutoff) - d2;
-      if (!(left > 0)) continue;
-      const double half = std::sqrt(left / bb), from = std::max(double(piece.begin), middle - half),
-                   to = std::min(double(piece.end), middle + half);
-      if (!(to > from)) continue;
-      const double root = std::sqrt(bb / 2);
-      sum += double(s.peak) * std::exp(-0.5 * d2) * std::sqrt(kPiD / (2 * bb)) *
-             (std::erf(root * (to - middle)) - std::erf(root * (from - middle)));
-    }
-  }
+  while (walk.next(piece)) for_splats(ray, piece, [&](const SplatOnRay& s) { sum += s.up_to(s.to); });
   return sum;
+}
+
+float SplatField::distance_of_thickness(const Ray& ray, float t_max, double wanted) const {
+  double sum = 0;
+  MajorantGrid::Walk walk(*grid_, ray, t_max);
+  MajorantGrid::Piece piece;
+  while (walk.next(piece)) {
+    double within = 0;
+    for_splats(ray, piece, [&](const SplatOnRay& s) { within += s.up_to(s.to); });
+    if (!(sum + within > wanted)) {
+      sum += within;
+      continue;
+    }
+    // Bisection: the thickness does not fall along the ray.
+    double low = double(piece.begin), high = double(piece.end);
+    for (int i = 0; i < 60 && high - low > 1e-8 * high; ++i) {
+      const double middle = 0.5 * (low + high);
+      double up_to = sum;
+      for_splats(ray, piece, [&](const SplatOnRay& s) { up_to += s.up_to(middle); });
+      (up_to < wanted ? low : high) = middle;
+    }
+    return float(0.5 * (low + high));
+  }
+  return kInfinity;
 }
 
 }  // namespace aureole

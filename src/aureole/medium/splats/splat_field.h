@@ -7,6 +7,7 @@
 
 #include "aureole/medium/classified/transfer_function.h"
 #include "aureole/medium/majorant_grid.h"
+#include "aureole/medium/splats/splat_cells.h"
 #include "aureole/parameter/splat/splat_cloud.h"
 
 namespace aureole {
@@ -26,11 +27,13 @@ public:
     Vec3 center;
     Vec3 whiten[3];  ///< rows of the matrix that turns the ellipsoid into the unit sphere
     float peak;
-    ColorWeights color;
+    std::uint32_t index;  ///< in the cloud
+    ColorWeights color;   ///< without a direction
 
     Vec3 whitened(const Vec3& v) const { return {dot(whiten[0], v), dot(whiten[1], v), dot(whiten[2], v)}; }
   };
 
+  /// Keeps a reference to the cloud.
   SplatField(const SplatCloud& cloud, const Transform& to_world, const Options& options);
 
   /// Extinction at a point, and the sum of the splats' colours weighted by their extinctions.
@@ -39,9 +42,13 @@ public:
     ColorWeights color;
   };
   Sample at(const Vec3& p) const;
-  /// The optical thickness along a ray of unit direction up to the distance t_max, in closed form: the
-  /// optical thicknesses of overlapping splats are summed, whatever their order.
+  /// With the colours that a viewer sees who looks along d.
+  Sample seen_along(const Vec3& p, const Vec3& d) const;
+  /// The optical thickness along a ray of unit direction up to the distance t_max, in closed form: splats that overlap
+  /// add, whatever their order.
   double optical_thickness(const Ray& ray, float t_max) const;
+  /// The distance along such a ray at which its thickness is `wanted`; infinity where it is not up to t_max.
+  float distance_of_thickness(const Ray& ray, float t_max, double wanted) const;
 
   /// Upper bounds of the extinction.
   const MajorantGrid& grid() const { return *grid_; }
@@ -53,18 +60,28 @@ public:
 
 private:
   void make_cells();
-  std::size_t cell_of(const Vec3& p) const;
+  /// A splat along a piece of a ray: the thickness up to the distance t is scale (erf(root (t - middle)) - low), with t held
+  /// between `from` and `to`.
+  struct SplatOnRay {
+    double scale, root, middle, from, to, low;
+
+    double up_to(double t) const;
+  };
+  /// Calls visit(splat) for the splats on a piece of a ray that lies in one cell.
+  template <class Visit>
+  void for_splats(const Ray& ray, const MajorantGrid::Piece& piece, const Visit& visit) const;
+  template <class ColorOf>
+  Sample sum_at(const Vec3& p, const ColorOf& color_of) const;
+
+  const SplatCloud& cloud_;
+  Transform turn_;  ///< the rotation of the world to the axes of the cloud
 
   Options options_;
   std::vector<Splat> splats_;
   std::vector<Bounds3> boxes_;  ///< bounding boxes of the splats; empty once the cells are made
   std::vector<float> longest_;  ///< longest semi-axis of each splat [length]; empty once the cells are made
   std::size_t thickened_ = 0, without_extent_ = 0;
-  Bounds3 bounds_;
-  std::array<int, 3> cells_{1, 1, 1};
-  Vec3 per_length_;                   ///< number of cells per length along each axis
-  std::vector<std::uint64_t> first_;  ///< index of each cell's first entry
-  std::vector<std::uint32_t> entries_;
+  SplatCells cells_;
   std::optional<MajorantGrid> grid_;
 };
 

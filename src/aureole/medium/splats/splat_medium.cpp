@@ -75,9 +75,9 @@ const SplatField& SplatMedium::field() const {
   return *field_;
 }
 
-void SplatMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
+void SplatMedium::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
   out = {};
-  const SplatField::Sample s = field().at(p);
+  const SplatField::Sample s = emits_by_direction() ? field().seen_along(p, d) : field().at(p);
   if (!(s.extinction > 0)) return;
   out.sigma_t = s.extinction;
   const Spectrum color = ColorBasis(w.nm).eval(s.color);
@@ -90,7 +90,7 @@ void SplatMedium::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumC
 std::vector<ParameterDoc> SplatMedium::rows() {
   return {
       {"filename", "file", "", "required",
-       "the splats: PLY of 3D Gaussian splatting or of points, .splat, .spz, glTF with KHR_gaussian_splatting"},
+       "the splats: PLY of 3D Gaussian splatting or of points, .splat, .spz, glTF with KHR_gaussian_splatting, OpenUSD (.usda)"},
       {"to_world", "transform", "", "identity",
        "from the axes of the cloud (x right, y up, z back) to the world"},
       {"file_axes", "string", "", "file",
@@ -100,7 +100,7 @@ std::vector<ParameterDoc> SplatMedium::rows() {
       {"radius_scale", "float", "", "1", "factor of the radii of points"},
       {"color_is", "string", "", "albedo",
        "for integrators that follow light: \"emission\", the colour (times D65, as an <rgb> emitter) is emitted wherever light is "
-       "absorbed, the same in all directions (harmonics of degree 0); \"albedo\", it is the single-scattering albedo"},
+       "absorbed, by direction; \"albedo\", it is the single-scattering albedo, the same in all directions (harmonics of degree 0)"},
       {"emission_scale", "float", "", "1", "factor of the emitted light, also in `splat`"},
       {"opacity_along", "string", "", "shortest",
        "a splat has its opacity along a ray through its centre: \"shortest\", along its shortest scale; \"mean\", along one of the "

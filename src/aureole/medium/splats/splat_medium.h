@@ -25,9 +25,17 @@ public:
   const PhaseFunction& phase() const override { return *phase_; }
   Majorants majorants() const override { return Majorants(field().grid()); }
   Spectrum majorant(const Vec3&, const Wavelengths&) const override { return 1.f; }
+  bool has_closed_form() const override { return !color_emits_; }
+  double optical_thickness(const Ray& ray, float t_max) const override {
+    return field().optical_thickness(ray, t_max);
+  }
+  float distance_of_thickness(const Ray& ray, float t_max, double wanted) const override {
+    return field().distance_of_thickness(ray, t_max, wanted);
+  }
   bool is_uniform() const override { return false; }
   bool has_uniform_emission() const override { return false; }
   bool emits() const override { return color_emits_; }
+  bool emits_by_direction() const override { return color_emits_ && cloud_->degree > 0; }
   bool scatters() const override { return !color_emits_; }
   float sampling_weight() const override { return sampling_weight_; }
 

@@ -243,11 +243,13 @@ SharedBytes decode(const SharedBytes& source, Encoding encoding, std::int64_t by
   return all.from(std::size_t(skip));
 }
 
-SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted) {
+namespace {
+
+/// Decompresses deflated data, whose header is that of `window_bits` (inflateInit2).
+SharedBytes inflated(const SharedBytes& source, std::uint64_t wanted, int window_bits) {
   require_content(double(wanted), double(source.size()), kContentPerByte);
   z_stream stream{};
-  constexpr int kGzipOrZlib = 15 + 32;
-  if (inflateInit2(&stream, kGzipOrZlib) != Z_OK) throw std::bad_alloc();
+  if (inflateInit2(&stream, window_bits) != Z_OK) throw std::bad_alloc();
   struct End {
     z_stream* stream;
     ~End() { inflateEnd(stream); }
@@ -255,12 +257,27 @@ SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted) {
   return decompressed(
       source, wanted, stream, [](z_stream& s) { return inflate(&s, Z_NO_FLUSH); },
       [&](int status, bool is_stuck, std::size_t read) {
-        // The next member of the file follows, since a gzip file may have several members.
-        if (status == Z_STREAM_END) return read < source.size() && inflateReset(&stream) == Z_OK;
+        // A file of gzip may have several members.
+        if (status == Z_STREAM_END)
+          return window_bits > 0 && read < source.size() && inflateReset(&stream) == Z_OK;
         if (status == Z_BUF_ERROR && is_stuck) return false;  // the source has ended
         if (status != Z_OK) throw Error("holds damaged data compressed by gzip or zlib");
         return true;
       });
+}
+
+}  // namespace
+
+SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted) {
+  constexpr int kGzipOrZlib = 15 + 32;
+  return inflated(source, wanted, kGzipOrZlib);
+}
+
+SharedBytes inflate_raw(const SharedBytes& source, std::uint64_t wanted) {
+  constexpr int kWithoutHeader = -15;
+  const SharedBytes all = inflated(source, wanted, kWithoutHeader);
+  if (all.size() < wanted) truncated("decompressed data", double(wanted), double(all.size()));
+  return all;
 }
 
 std::vector<std::byte> base64_bytes(std::string_view text) {

@@ -21,7 +21,18 @@ ScalarGrid read_vti(const Path& file, const SharedBytes& bytes, const ScalarGrid
 ScalarGrid read_npy(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 ScalarGrid read_tiff_stack(const Path& file, const SharedBytes& bytes, const ScalarGridOptions& options);
 
-/// Encodings of stored numbers.
+/// The header of a file of numpy (.npy).
+struct NpyHeader {
+  ScalarType type = ScalarType::float32;
+  bool is_swapped = false;          ///< stored with the most significant byte first
+  bool is_fortran = false;          ///< the first axis is the fastest
+  std::vector<std::int64_t> sizes;  ///< of the axes; none for a single number
+  std::size_t start = 0;            ///< byte at which the numbers begin
+};
+/// Reads it. The sizes are as they are stated, whether or not the numbers are there.
+NpyHeader read_npy_header(const SharedBytes& bytes);
+
+/// How numbers are stored.
 enum class Encoding { raw, text, hex, gzip, bzip2 };
 
 /// Calls f with a number of the C++ type of `type`; of `std::uint16_t` with `is_half` for float16.
@@ -66,7 +77,9 @@ void note_surplus(ScalarGrid& grid, const SharedBytes& source, Encoding encoding
                   std::uint64_t count);
 /// Decompresses gzip or zlib to at most `wanted` bytes. Memory grows with what was found, not with what is wanted.
 SharedBytes inflate_bytes(const SharedBytes& source, std::uint64_t wanted);
-/// Returns the bytes of base64 text up to its padding; blanks are skipped. Throws Error at another character.
+/// Decompresses deflated data without a header, as members of a zip archive have them, to exactly `wanted` bytes. Throws Error.
+SharedBytes inflate_raw(const SharedBytes& source, std::uint64_t wanted);
+/// Returns the bytes of base64 text up to its padding; blanks are passed over. Throws Error at another character.
 std::vector<std::byte> base64_bytes(std::string_view text);
 /// Wraps a vector of bytes as shared bytes.
 SharedBytes shared(std::vector<std::byte> bytes);

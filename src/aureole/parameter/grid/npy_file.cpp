@@ -34,7 +34,7 @@ std::string value_of(std::string_view header, std::string_view key) {
 
 }  // namespace
 
-ScalarGrid read_npy(const Path&, const SharedBytes& bytes, const ScalarGridOptions& options) {
+NpyHeader read_npy_header(const SharedBytes& bytes) {
   const auto byte = [&](std::size_t i) { return std::size_t(bytes.bytes[i]); };
   if (bytes.size() < 12) throw Error("is too short for an array of numpy");
   const std::size_t version = byte(6);
@@ -62,30 +62,40 @@ ScalarGrid read_npy(const Path&, const SharedBytes& bytes, const ScalarGridOptio
         fmt::format("has numbers of the type \"{}\"; int8 to uint64, float16, float32 and float64 are "
                     "known, such as \"<u2\"",
                     type.substr(0, 40)));
-  ScalarGrid grid;
-  grid.format = ".npy";
-  grid.type = found->second;
-  grid.is_swapped = type[0] == '>';
+  NpyHeader array;
+  array.type = found->second;
+  array.is_swapped = type[0] == '>';
+  array.start = start + length;
   const std::string order = value_of(header, "fortran_order");
   if (order != "True" && order != "False")
     throw Error("has the fortran_order " + order.substr(0, 40) + "; True and False are known");
+  array.is_fortran = order == "True";
   std::string shape = value_of(header, "shape");
   if (!shape.starts_with('(') || !shape.ends_with(')'))
     throw Error("has the shape " + shape.substr(0, 80) + "; such as (64, 128, 128) is expected");
   shape = shape.substr(1, shape.size() - 2);
   std::replace(shape.begin(), shape.end(), ',', ' ');
-  const std::vector<std::int64_t> sizes = integers_of(shape);
+  array.sizes = integers_of(shape);
+  return array;
+}
+
+ScalarGrid read_npy(const Path&, const SharedBytes& bytes, const ScalarGridOptions& options) {
+  const NpyHeader array = read_npy_header(bytes);
+  const auto& sizes = array.sizes;
+  ScalarGrid grid;
+  grid.format = ".npy";
+  grid.type = array.type, grid.is_swapped = array.is_swapped;
   if (sizes.size() != 3 && sizes.size() != 4)
     throw Error(
         fmt::format("has an array of {} axes; depth x height x width numbers are expected, or several for "
                     "each voxel",
                     sizes.size()));
   const std::uint64_t count = count_of(sizes, grid.type);
-  grid.numbers = decode(bytes, Encoding::raw, std::int64_t(start + length), count, grid.type);
+  grid.numbers = decode(bytes, Encoding::raw, std::int64_t(array.start), count, grid.type);
   // Axes in the array's order are z, y, x and channels, the last fastest unless the order is Fortran's.
   std::vector<GridAxis> axes;
   for (std::size_t i = 0; i < sizes.size(); ++i) axes.push_back({sizes[i], "zyxc"[i]});
-  if (order == "False") std::reverse(axes.begin(), axes.end());
+  if (!array.is_fortran) std::reverse(axes.begin(), axes.end());
   arrange(grid, axes, options);
   place_by_options(grid, options);
   return grid;

@@ -30,6 +30,7 @@ SplatReaderFunction splat_reader_of(const std::filesystem::path& file, std::span
   if (starts_with(bytes, "NGSP") || (starts_with(bytes, "\x1f\x8b") && extension == ".spz"))
     return splat_reader::read_spz;
   if (starts_with(bytes, "glTF") || extension == ".gltf") return splat_reader::read_gltf;
+  if (starts_with(bytes, "#usda ")) return splat_reader::read_usda;
   if (extension == ".splat") return splat_reader::read_splat32;
   return nullptr;
 }
@@ -169,10 +170,13 @@ bool is_splat_file(const std::filesystem::path& file) {
 SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOptions& options) {
   return read_mapped(file, [&](const SharedBytes& bytes) {
     const auto reader = splat_reader_of(file, bytes.bytes);
+    if (!reader && (starts_with(bytes.bytes, "PXR-USDC") || file.extension() == ".usdz"))
+      throw Error(
+          "is a binary file of OpenUSD: text is read, which \"usdcat --flatten -o FILE.usda\" writes");
     if (!reader)
       throw Error(
-          "is no file of splats that is known here: PLY, .spz and .glb by their first bytes, .gltf and .splat by "
-          "their names");
+          "is no file of splats that is known here: PLY, .spz, .glb and .usda by their first bytes, .gltf and "
+          ".splat by their names");
     SplatCloud cloud = reader(file, bytes, options);
     finish_cloud(cloud, options);
     return cloud;

@@ -82,9 +82,9 @@ struct SplatFileOptions {
 const std::vector<std::string>& splat_axes();
 
 /// Reads a file of Gaussian splats or points: PLY (of 3D Gaussian splatting, or points with colours, normals and radii),
-/// `.splat`, `.spz` of the versions 1 to 4, glTF (`.gltf`, `.glb`) with KHR_gaussian_splatting. The content
-/// determines the format, except for `.splat`, which has no signature. Throws Error located at the file.
-/// Memory is bounded by the size of the file and `require_content`.
+/// `.splat`, `.spz` of the versions 1 to 4, glTF (`.gltf`, `.glb`) with KHR_gaussian_splatting, text of OpenUSD (`.usda`). The
+/// content decides, but for `.splat`, which has no signature. Throws Error located at the file. Memory is bounded by the size of the file and
+/// `require_content`.
 SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOptions& options = {});
 
 /// Returns a cloud with its numbers in the axes `axes` (`SplatFileOptions::axes`), as a file with those axes

@@ -21,6 +21,7 @@ SplatCloud read_ply(const Path& file, const SharedBytes& bytes, const SplatFileO
 SplatCloud read_splat32(const Path& file, const SharedBytes& bytes, const SplatFileOptions& options);
 SplatCloud read_spz(const Path& file, const SharedBytes& bytes, const SplatFileOptions& options);
 SplatCloud read_gltf(const Path& file, const SharedBytes& bytes, const SplatFileOptions& options);
+SplatCloud read_usda(const Path& file, const SharedBytes& bytes, const SplatFileOptions& options);
 
 /// Reads a number from little-endian bytes.
 template <class T>

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include "aureole/core/error.h"
@@ -231,10 +232,55 @@ std::string glb_of(const SplatCloud& c, std::vector<std::string>& notes) {
   return std::move(out.bytes());
 }
 
+std::string usda_of(const SplatCloud& c, std::vector<std::string>& notes) {
+  Bounds3 box;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const float reach = 3 * max_component(c.scales[i]);  // standard deviations
+    box.extend(c.positions[i] - Vec3{reach, reach, reach}),
+        box.extend(c.positions[i] + Vec3{reach, reach, reach});
+  }
+  std::string out = fmt::format(
+      "#usda 1.0\n(\n    defaultPrim = \"Splats\"\n    doc = \"written by aureole\"\n    metersPerUnit = 1\n"
+      "    upAxis = \"Y\"\n)\n\ndef ParticleField3DGaussianSplat \"Splats\"\n{{\n"
+      "    float3[] extent = [({:.9g}, {:.9g}, {:.9g}), ({:.9g}, {:.9g}, {:.9g})]\n",
+      box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z);
+  const auto array = [&](const char* declaration, std::size_t count, std::size_t width, const auto& value) {
+    auto to = std::back_inserter(out);
+    fmt::format_to(to, "    {} = [", declaration);
+    for (std::size_t i = 0; i < count; ++i) {
+      out += i > 0 ? ", " : "";
+      out += width > 1 ? "(" : "";
+      for (std::size_t k = 0; k < width; ++k)
+        fmt::format_to(to, "{}{:.9g}", k > 0 ? ", " : "", float(value(i, k)));
+      out += width > 1 ? ")" : "";
+    }
+    out += "]\n";
+  };
+  const std::size_t n = c.size();
+  array("point3f[] positions", n, 3, [&](std::size_t i, std::size_t k) { return c.positions[i][int(k)]; });
+  array("quatf[] orientations", n, 4, [&](std::size_t i, std::size_t k) { return c.rotations[i][k]; });
+  array("float3[] scales", n, 3, [&](std::size_t i, std::size_t k) { return c.scales[i][int(k)]; });
+  array("float[] opacities", n, 1, [&](std::size_t i, std::size_t) { return c.opacities[i]; });
+  out += fmt::format("    uniform int radiance:sphericalHarmonicsDegree = {}\n", c.degree);
+  array("float3[] radiance:sphericalHarmonicsCoefficients", n * c.coefficients(), 3,
+        [&](std::size_t i, std::size_t k) { return c.harmonics[3 * i + k]; });
+  out += fmt::format(
+      "    uniform token projectionModeHint = \"{}\"\n    uniform token sortingModeHint = \"{}\"\n}}\n",
+      c.hints.projection == SplatHints::Projection::tangential ? "tangential" : "perspective",
+      c.hints.sorting == SplatHints::Sorting::z_depth ? "zDepth" : "cameraDistance");
+  if (c.hints.antialiased)
+    notes.push_back(
+        "USD does not say that opacities are compensated for dilation: state compensation \"on\"");
+  if (c.hints.colors == SplatHints::Colors::linear)
+    notes.push_back(
+        "USD does not say that the colours are linear: state color_space \"linear\" where it is read");
+  return out;
+}
+
 }  // namespace
 
 const std::vector<std::string>& splat_extensions() {
-  static const std::vector<std::string> kExtensions = {".ply", ".spz", ".glb"};
+  static const std::vector<std::string> kExtensions = {".ply", ".spz", ".glb", ".usda"};
   return kExtensions;
 }
 
@@ -251,8 +297,10 @@ std::vector<std::string> write_splat_file(const std::filesystem::path& file, con
       bytes = spz_of(cloud, notes);
     else if (extension == ".glb")
       bytes = glb_of(cloud, notes);
+    else if (extension == ".usda")
+      bytes = usda_of(cloud, notes);
     else
-      throw Error("has the extension \"" + extension + "\"; splats are written as .ply, .spz or .glb");
+      throw Error("has the extension \"" + extension + "\"; splats are written as .ply, .spz, .glb or .usda");
   } catch (const Error& problem) {
     throw Error({file.string(), 0, 0}, problem.message());
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/instrument/bake/surface_light.h"
 #include "aureole/loading/load.h"
 #include "aureole/parameter/splat/splat_cloud.h"
 
@@ -12,11 +13,13 @@ namespace aureole {
 
 struct SplatBakeOptions {
   bool as_points = false;     ///< points with normals, radii and colours, else Gaussian splats
-  std::size_t count = 20000;  ///< number of points on the surfaces
-  int degree = 0;             ///< degree of the harmonics; points have 0
+  std::size_t count = 20000;  ///< points of the surfaces
+  SurfaceLight::Density density = SurfaceLight::Density::area;
+  int degree = 0;         ///< of the harmonics; points have 0
   int paths = 64;         ///< paths of each point, in directions of the hemisphere on the side of its normal
   float exposure = 1;     ///< factor of the light before it is encoded as sRGB
-  float coverage = 0.6f;  ///< standard deviation of a splat, relative to the mean distance between points
+  float coverage = 0.6f;  ///< standard deviation of a splat, in mean distances of points
+  float opacity = 0.99f;  ///< of a splat; the cap of published viewers
   std::uint64_t seed = 0;
 };
 
@@ -26,7 +29,7 @@ struct SplatBake {
   double area = 0;  ///< total area of the surfaces [length^2]
 };
 
-/// Distributes points over the scene's surfaces by their area and estimates the radiance that leaves each of them, in linear
+/// Distributes points over the scene's surfaces and estimates the radiance that leaves each of them, in linear
 /// sRGB in units of D65. A colour is the mean over the hemisphere or, with harmonics, their least-squares fit, encoded as
 /// sRGB. The result does not depend on the number of threads. Throws Error if there is no surface to bake.
 SplatBake bake_splats(const LoadedScene& loaded, const SplatBakeOptions& options);
