@@ -74,6 +74,7 @@ def denoise(
         if albedo is not None or normal is not None:
             raise Error("scene: expected either a scene or albedo and normal")
         albedo, normal = features(scene, integer("feature_samples", feature_samples, minimum=1, maximum=2**20), progress=progress)
+        albedo, normal = _prefiltered(oidn, albedo, normal, quality)
     guides = {}
     for name, given in (("albedo", albedo), ("normal", normal)):
         if given is not None:
@@ -95,6 +96,13 @@ def denoise(
     used = sorted({c for group in groups for c in group})
     names = [*image.channels, *(f"noisy.{image.channels[c]}" for c in used)]
     return Image(np.concatenate([cleaned, image.array[..., used]], axis=-1), names)
+
+
+def _prefiltered(oidn: Any, albedo: Floats, normal: Floats, quality: str) -> Tuple[Floats, Floats]:
+    """Features without their own noise, which mirrors and glass give them and which the network would take for structure."""
+    clean = oidn.denoise(np.clip(albedo, 0, 1), hdr=False, clean_aux=False, quality=quality)
+    turned = oidn.denoise(np.ascontiguousarray(0.5 * normal + 0.5, dtype=np.float32), hdr=False, clean_aux=False, quality=quality)
+    return clean, np.ascontiguousarray(2 * turned - 1, dtype=np.float32)
 
 
 def features(scene: Scene, samples: int = 32, *, progress: Union[bool, Report] = False) -> Tuple[Floats, Floats]:

@@ -89,8 +89,21 @@ SCENE = """<scene version="3.0.0"><integrator type="path"/>
     <sampler type="independent"><integer name="sample_count" value="16"/></sampler></sensor>
   <shape type="sphere"><float name="radius" value="0.8"/><bsdf type="diffuse"><rgb name="reflectance" value="0.5, 0.5, 0.5"/></bsdf></shape>
   <shape type="rectangle"><transform name="to_world"><scale value="3"/><translate z="-1"/></transform><bsdf type="diffuse"/></shape>
-  <shape type="sphere"><point name="center" x="2" y="2" z="2"/><float name="radius" value="0.3"/><emitter type="area"/></shape>
+  <shape type="sphere"><point name="center" x="2" y="2" z="2"/><float name="radius" value="0.3"/><emitter type="area"><rgb name="radiance" value="40, 40, 40"/></emitter></shape>
+  <emitter type="constant"><rgb name="radiance" value="0.3, 0.3, 0.4"/></emitter>
 </scene>"""
+
+
+def test_features_are_filtered_before_they_guide(network):
+    calls = network(lambda color: color)
+    scene = aureole.load_string(SCENE)
+    image = aureole.render(scene, 1, progress=False)
+    aureole.denoise(image, scene=scene, feature_samples=1)
+    assert [call[3] for call in calls] == [False, False, True]  # albedo, normal, picture
+    color, albedo, normal, _, clean, _ = calls[2]
+    np.testing.assert_array_equal(albedo, calls[0][0])
+    np.testing.assert_allclose(normal, 2 * calls[1][0] - 1, atol=1e-6)
+    assert clean and albedo.max() <= 1
 
 
 def test_bad_input(network):
@@ -118,7 +131,7 @@ def test_the_network_and_the_command(tmp_path):
     pytest.importorskip("pyoidn", reason="the network needs Open Image Denoise: pip install pyoidn")
     (tmp_path / "scene.xml").write_text(SCENE)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PATH": os.path.dirname(sys.executable) + os.pathsep + os.environ["PATH"]}
-    done = subprocess.run([os.environ["AUREOLE_BINARY"], "denoise", "scene.xml", "--spp", "16", "-q", "-o", "a.exr"], cwd=tmp_path, capture_output=True,
+    done = subprocess.run([os.environ["AUREOLE_BINARY"], "denoise", "scene.xml", "--spp", "16", "--replicates", "2", "-q", "-o", "a.exr"], cwd=tmp_path, capture_output=True,
                           text=True, env=environment)
     assert done.returncode == 0, done.stderr
     found, truth = aureole.read_image(tmp_path / "a.exr"), aureole.render(aureole.load_string(SCENE.replace("hdrfilm\">", "hdrfilm\"><rfilter type=\"box\"/>")), 4096, progress=False)
