@@ -28,7 +28,9 @@ std::function<int()> declare(CommandOptions& options) {
   return [=] { return info(*file, *defines); };
 }
 
-AUREOLE_COMMAND("info", "List the content of a scene, a picture, a volume, splats, a radiance grid or a state file", declare);
+AUREOLE_COMMAND("info",
+                "List the content of a scene, a picture, a volume, splats, a radiance grid or a state file",
+                declare);
 
 }  // namespace
 }  // namespace aureole

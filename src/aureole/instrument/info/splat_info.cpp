@@ -58,10 +58,11 @@ FileInfo radiance_grid_info(const std::filesystem::path& file) {
   const RadianceVoxels g = read_radiance_voxels(file);
   for (const std::string& note : g.notes) info.notes.push_back(file.string() + " " + note);
   add_text(out, "radiance     {} (.npz of Plenoxels)\n", file.string());
-  add_text(out, "size         {} x {} x {} voxels, {} of them stored\n", g.size[0], g.size[1], g.size[2], g.stored());
+  add_text(out, "size         {} x {} x {} voxels, {} of them stored\n", g.size[0], g.size[1], g.size[2],
+           g.stored());
   const Vec3 lower = g.center - g.radius, upper = g.center + g.radius;
-  add_text(out, "box          ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", lower.x, lower.y, lower.z, upper.x,
-           upper.y, upper.z);
+  add_text(out, "box          ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", lower.x, lower.y,
+           lower.z, upper.x, upper.y, upper.z);
   const auto [least, most] = std::minmax_element(g.densities.begin(), g.densities.end());
   add_text(out, "densities    {:.4g} to {:.4g} per length\n", *least, *most);
   add_text(out, "harmonics    degree {}\n", g.degree);
