@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import aureole
-from aureole import pigment
+from aureole import optics, pigment
 
 
 def test_layers_and_their_inverse():
