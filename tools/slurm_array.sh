@@ -12,7 +12,7 @@ case "${1:-}" in
     shift
     scene=$1 output=$2 spp=$3 parts=$4 task=$SLURM_ARRAY_TASK_ID
     blocks=$(((spp + 15) / 16))  # samples are divided at multiples of 16
-    begin=$((task * blocks / parts * 16)) end=$(((task + 1) * blocks / parts * 16))
+    begin=$((16 * (task * blocks / parts))) end=$((16 * ((task + 1) * blocks / parts)))
     ((end > spp)) && end=$spp
     if ((begin >= end)); then exit 0; fi
     part=${output%.exr}.part$task.exr
