@@ -153,7 +153,7 @@ TEST(Exposure, EmittersOfAllKindsFlicker) {
       "<shape type='disk'><transform name='to_world'><rotate x='1' angle='180'/><translate z='2'/></transform>"
       "<emitter type='area'><string name='amount' value='1000 cd/m^2'/>" +
       dim + "</emitter></shape>";
-  expect_time_mean(receiver(at_once) + disc, 628.3185 / 4, 1024);
+  expect_time_mean(receiver(at_once) + disc, 628.3185 / 4, 16384);
 }
 
 TEST(Exposure, APointThatMoves) {
