@@ -107,7 +107,7 @@ RenderState planned_state(const LoadedScene& loaded, const RenderOptions& option
   const Sampler& sampler = scene.sensor().sampler();
   const std::int64_t end = options.end.value_or(sampler.sample_count());
   integrator.require_scene(scene);
-  if (scene.sensor().sensor->only_samples_rays() && integrator.leaves() != Integrator::Leaves::pixel)
+  if (scene.sensor().disperses() && integrator.leaves() != Integrator::Leaves::pixel)
     throw Error(
         integrator.properties().where(),
         "\"" + integrator.properties().type() + "\" connects light with the sensor, which a \"" +

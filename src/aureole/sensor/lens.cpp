@@ -30,8 +30,8 @@ public:
   }
 
   bool uses_lens() const override { return true; }
-  bool only_samples_rays() const override { return true; }
-  bool disperses() const override { return prescription_.is_dispersive(); }
+  /// Even where the glasses do not disperse, coatings depend on the wavelength.
+  bool disperses() const override { return true; }
 
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
     return sample_dispersed_ray(at, film, lens, float(middle_nm_));

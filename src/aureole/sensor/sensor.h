@@ -136,8 +136,6 @@ public:
   /// The ray of `film_position` (pixels from the film's top left corner, not the crop's). `lens` chooses a
   /// point of the aperture.
   virtual SensorRay sample_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens) const = 0;
-  /// Whether light cannot be connected to it, so that only paths from the sensor measure it.
-  virtual bool only_samples_rays() const { return false; }
   /// Whether rays depend on the wavelength: paths then have one, `Wavelengths::of_hero`, and `sample_dispersed_ray` makes
   /// their rays.
   virtual bool disperses() const { return false; }

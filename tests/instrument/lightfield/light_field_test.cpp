@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "aureole/core/error.h"
+#include "aureole/render/job.h"
 #include "harness/program.h"
 #include "loading/load_text.h"
 
@@ -84,6 +85,39 @@ TEST(LightField, AxesInTheHeader) {
   EXPECT_THROW(light_field_of(small, axes, "x.exr"), Error);
   EXPECT_THROW(light_field_picture(f, 0.05, 0.05, 0.01, 3), Error);  // between the views
   EXPECT_THROW(light_field_picture(f, 0, 0, 0.1, 0), Error);
+}
+
+TEST(LightField, LightPathsSeeItAsItsOwnPathsDo) {
+  const auto mean = [](const std::string& integrator, const std::string& positions) {
+    const LoadedScene scene = load_scene_from_string(
+        "<scene version='3.0.0'><integrator type='" + integrator +
+            "'/><sensor type='lightfield'><integer name='views_x' value='3'/><integer name='views_y' value='2'/>"
+            "<float name='aperture_width' value='1'/><float name='aperture_height' value='0.5'/>"
+            "<float name='plane_distance' value='4'/><float name='field_width' value='3'/><string name='positions' value='" +
+            positions +
+            "'/><transform name='to_world'><lookat origin='1, 0.5, -4' target='0, 0, 0' up='0, 1, 0'/></transform>"
+            "<film type='hdrfilm'><integer name='width' value='6'/><integer name='height' value='4'/>"
+            "<string name='quantity' value='luminance'/><rfilter type='box'/></film></sensor><shape type='sphere'/>"
+            "<emitter type='point'><point name='position' x='2' y='3' z='-3'/><string name='amount' value='100 cd'/></emitter></scene>",
+        "field.xml", {});
+    RenderOptions options;
+    options.end = 16384;
+    RenderJob job(scene, options);
+    job.run(std::atomic<bool>(false));
+    return job.state().picture().pixels;
+  };
+  for (const char* positions : {"cell", "point"}) {
+    const auto path = mean("path", positions), light = mean("ptracer", positions),
+               both = mean("bdpt", positions);
+    double all = 0, of_light = 0, of_both = 0;
+    for (std::size_t i = 0; i < path.size(); ++i)
+      all += double(path[i]), of_light += double(light[i]), of_both += double(both[i]);
+    EXPECT_NEAR(of_light, all, 0.02 * all) << positions;
+    EXPECT_NEAR(of_both, all, 0.01 * all) << positions;
+    // The first view is in its place: its pixels agree, too.
+    for (const std::size_t i : {0u, 7u, 16u})
+      EXPECT_NEAR(double(both[i]), double(path[i]), 0.05 * all / 24) << i;
+  }
 }
 
 const std::string kBalls =
