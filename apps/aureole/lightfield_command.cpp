@@ -64,6 +64,18 @@ LightField field_of_scene(const LightFieldArguments& a) {
   return f;
 }
 
+/// R, G, B, or else the first channel, for display: a file has its channels in the order of their names.
+Image colors_of_view(const Image& picture) {
+  const bool is_colored = picture.channel("R") >= 0 && picture.channel("G") >= 0 && picture.channel("B") >= 0;
+  Image colors{picture.width, picture.height, {"Y"}, {}, false};
+  if (is_colored) colors.channels = {"R", "G", "B"};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      for (const std::string& name : colors.channels)
+        colors.pixels.push_back(picture.at(x, y, is_colored ? std::size_t(picture.channel(name)) : 0));
+  return colors;
+}
+
 int lightfield(const LightFieldArguments& a) {
   if (a.spp == 0 || a.spp < -1)
     throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
@@ -108,7 +120,7 @@ int lightfield(const LightFieldArguments& a) {
   if (output.extension() == ".exr")
     write_exr(output, picture, ExrPixel::float32, {});
   else
-    write_png(output, display_picture(picture));
+    write_png(output, display_picture(colors_of_view(picture)));
   if (!a.quiet) {
     fmt::print("{}\n", light_field_axes(field));
     if (is_scene) fmt::print("{}\n", field_file.string());
