@@ -30,7 +30,8 @@ public:
   }
 
   bool uses_lens() const override { return true; }
-  bool disperses() const override { return prescription_.is_dispersive(); }
+  /// Even where the glasses do not disperse, coatings depend on the wavelength.
+  bool disperses() const override { return true; }
 
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
     return sample_dispersed_ray(at, film, lens, float(middle_nm_));
@@ -172,8 +173,16 @@ private:
   }
 
   /// The part of the plane of the last vertex from which light reaches a point of the film at the radius r, at three wavelengths.
-  Pupil pupil_of(double r, int cells) const {
-    const double reach = prescription_.surfaces.back().semi_diameter, cell = 2 * reach / cells;
+  Pupil pupil_of(double r) const {
+    // A grid over all of the last surface, then one over what the first has found.
+    constexpr int kCells = 48;
+    const double reach = prescription_.surfaces.back().semi_diameter;
+    Pupil found{-reach, reach, reach};
+    for (int pass = 0; pass < 2 && found.area() > 0; ++pass) found = pupil_within(r, found, kCells);
+    return found;
+  }
+  Pupil pupil_within(double r, const Pupil& within, int cells) const {
+    const double dx = (within.x1 - within.x0) / cells, dy = 2 * within.y1 / cells;
     Pupil found;
     const SpectralGrid& grid = properties().context().grid;
     for (const double nm : {grid.min_nm, middle_nm_, grid.max_nm}) {
@@ -181,9 +190,9 @@ private:
       const std::vector<double>& n = indices_at(nm);
       for (int j = 0; 2 * j < cells; ++j)
         for (int i = 0; i < cells; ++i) {
-          const double x = -reach + cell * (i + 0.5), y = cell * (j + 0.5);
+          const double x = within.x0 + dx * (i + 0.5), y = dy * (j + 0.5);
           LensRay ray = ray_to_pupil({r, 0}, {x, y});
-          if (lens_->trace_back(ray, n, nm)) found.extend({x - cell, x + cell, y + cell});
+          if (lens_->trace_back(ray, n, nm)) found.extend({x - dx, x + dx, y + dy});
         }
     }
     return found;
@@ -191,10 +200,10 @@ private:
 
   void find_pupils(const Properties& p) {
     pupil_z_ = lens_->vertex(lens_->surfaces().size() - 1);
-    constexpr int kCells = 64, kAxialCells = 512;
+    constexpr int kAxialCells = 512;
     const double radius = 0.5 * diagonal_mm_;
     std::vector<Pupil> at_edges;
-    for (int i = 0; i <= kRings; ++i) at_edges.push_back(pupil_of(radius * i / kRings, kCells));
+    for (int i = 0; i <= kRings; ++i) at_edges.push_back(pupil_of(radius * i / kRings));
     int dark = 0;
     for (int i = 0; i < kRings; ++i) {
       Pupil both = at_edges[std::size_t(i)];

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole lightfield: pictures from a light field, refocused and from other places.
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+
+#include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
+#include "aureole/instrument/lightfield/light_field.h"
+#include "aureole/loading/load.h"
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "command.h"
+#include "messages.h"
+#include "picture_file.h"
+
+namespace aureole {
+namespace {
+
+constexpr const char* kAxesAttribute = "aureole:lightfield";
+
+std::atomic<bool> stop_requested_of_lightfield{false};
+extern "C" void stop_lightfield(int) { stop_requested_of_lightfield = true; }
+
+struct LightFieldArguments {
+  std::string target, output, field;
+  std::vector<std::string> defines;
+  std::int64_t spp = -1, seed = -1;
+  int threads = 0;
+  double diameter = 0;
+  std::vector<double> at, focus;
+  bool quiet = false;
+};
+
+LightField field_of_scene(const LightFieldArguments& a) {
+  LoadOptions load;
+  load.defines = split_defines(a.defines);
+  const LoadedScene loaded = load_scene(a.target, load);
+  if (!a.quiet)
+    for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  const Properties& p = loaded.scene->sensor().properties();
+  if (p.type() != "lightfield")
+    throw Error(p.where(),
+                "the sensor is a \"" + p.type() + "\"; a light field needs the sensor \"lightfield\"");
+  LightField f;
+  f.views_x = int(p.get_int("views_x", 8)), f.views_y = int(p.get_int("views_y", f.views_x));
+  f.aperture_width = p.get_float("aperture_width", 1),
+  f.aperture_height = p.get_float("aperture_height", f.aperture_width);
+  f.plane_distance = p.get_float("plane_distance", 1), f.field_width = p.get_float("field_width", 1);
+  RenderOptions options;
+  if (a.spp > 0) options.end = a.spp;
+  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
+  options.threads = a.threads;
+  RenderJob job(loaded, options);
+  std::signal(SIGINT, stop_lightfield);
+  if (job.run(stop_requested_of_lightfield) == RenderJob::Outcome::interrupted)
+    throw Error("interrupted: nothing is written");
+  if (job.state().invalid_samples > 0)
+    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
+  f.mosaic = job.state().picture();
+  return f;
+}
+
+/// R, G, B, or else the first channel, for display: a file has its channels in the order of their names.
+Image colors_of_view(const Image& picture) {
+  const bool is_colored = picture.channel("R") >= 0 && picture.channel("G") >= 0 && picture.channel("B") >= 0;
+  Image colors{picture.width, picture.height, {"Y"}, {}, false};
+  if (is_colored) colors.channels = {"R", "G", "B"};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      for (const std::string& name : colors.channels)
+        colors.pixels.push_back(picture.at(x, y, is_colored ? std::size_t(picture.channel(name)) : 0));
+  return colors;
+}
+
+int lightfield(const LightFieldArguments& a) {
+  if (a.spp == 0 || a.spp < -1)
+    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
+  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  const bool is_scene = std::filesystem::path(a.target).extension() == ".xml";
+  if (!is_scene)
+    for (const auto& [option, given] : {std::pair("--spp", a.spp != -1), std::pair("--seed", a.seed != -1),
+                                        std::pair("--field", !a.field.empty())})
+      if (given)
+        throw Error(std::string(option) + ": is for a scene, which is rendered; a light field is done");
+  std::filesystem::path output = a.output;
+  if (output.empty()) output = std::filesystem::path(a.target).stem().string() + "_view.png";
+  if (output.extension() != ".png" && output.extension() != ".exr")
+    throw Error("-o " + output.string() + ": the output is a .png or an .exr file");
+  std::filesystem::path field_file = a.field;
+  if (is_scene && field_file.empty())
+    field_file = std::filesystem::path(a.target).stem().string() + "_field.exr";
+  if (is_scene && field_file.extension() != ".exr")
+    throw Error("--field " + field_file.string() + ": the light field is an .exr file");
+  require_writable(output);
+  if (is_scene) require_writable(field_file);
+
+  LightField field;
+  if (is_scene) {
+    field = field_of_scene(a);
+    ExrAttributes attributes;
+    attributes.strings[kAxesAttribute] = light_field_axes(field);
+    write_exr(field_file, field.mosaic, ExrPixel::float32, attributes);
+  } else {
+    ExrAttributes attributes;
+    Image picture = read_picture(a.target, &attributes);
+    const auto found = attributes.strings.find(kAxesAttribute);
+    field =
+        light_field_of(std::move(picture), found == attributes.strings.end() ? "" : found->second, a.target);
+  }
+  const double focus = a.focus.empty() ? field.plane_distance : a.focus[0];
+  const double x = a.at.empty() ? 0 : a.at[0], y = a.at.empty() ? 0 : a.at[1];
+  if (2 * std::abs(x) > field.aperture_width || 2 * std::abs(y) > field.aperture_height)
+    throw Error(fmt::format("--at {:g},{:g}: lies outside of the light field, which reaches to {:g},{:g}", x,
+                            y, 0.5 * field.aperture_width, 0.5 * field.aperture_height));
+  const Image picture = light_field_picture(field, x, y, a.diameter, focus);
+  if (output.extension() == ".exr")
+    write_exr(output, picture, ExrPixel::float32, {});
+  else
+    write_png(output, display_picture(colors_of_view(picture)));
+  if (!a.quiet) {
+    fmt::print("{}\n", light_field_axes(field));
+    if (is_scene) fmt::print("{}\n", field_file.string());
+    fmt::print("{}\n", output.string());
+  }
+  return 0;
+}
+
+std::function<int()> declare_lightfield(CommandOptions& options) {
+  auto a = std::make_shared<LightFieldArguments>();
+  options
+      .add("target", a->target,
+           "scene (.xml) with the sensor \"lightfield\", which is rendered, or its light field (.exr)")
+      .required();
+  options.add("-o,--output", a->output, "picture, .png or .exr (default: the target's name with _view.png)");
+  options.add("--field", a->field, "light field of a scene (default: the target's name with _field.exr)");
+  options
+      .add(
+          "--at", a->at,
+          "X,Y: place of the camera in the plane (s, t), from its middle, to the right and down (default: 0,0)")
+      .separated_by(',')
+      .takes(2);
+  options
+      .add("--diameter", a->diameter,
+           "diameter of the synthetic aperture; 0: a new view between the four nearest")
+      .between(0, 1e9)
+      .shows_default();
+  options.add("--focus", a->focus, "distance of the plane in focus (default: that of the plane (u, v))")
+      .takes(1);
+  options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
+  options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
+  options.add("--threads", a->threads, "threads (default: all cores)");
+  options.add("-q,--quiet", a->quiet, "print results and errors only");
+  return [a] { return lightfield(*a); };
+}
+
+AUREOLE_COMMAND("lightfield",
+                "Pictures from a light field: refocused, with another aperture, from other places",
+                declare_lightfield);
+
+}  // namespace
+}  // namespace aureole
