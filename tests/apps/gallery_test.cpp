@@ -126,6 +126,11 @@ TEST(PaintGallery, EverySceneLoads) {
             (std::vector<std::string>{"chart", "glaze", "varnish", "rutile", "metamers"}));
 }
 
+TEST(LaboratoryGallery, EverySceneLoads) {
+  EXPECT_EQ(load_figures("laboratory"),
+            (std::vector<std::string>{"sphere", "goniometer", "instruments", "edge_loss", "lobes"}));
+}
+
 TEST(DiffractionGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("diffraction"),
             (std::vector<std::string>{"edge_functions", "edge_amplitudes", "edge_approximation", "wedge",
