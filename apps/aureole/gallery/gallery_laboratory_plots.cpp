@@ -118,8 +118,8 @@ LaboratoryCurves edge_loss(const std::vector<double>& ports_mm, double scatterin
     for (const double port : ports_mm) {
       SpectrophotometerSettings s;
       s.geometry = measuring_geometry("de:8", false);
-      s.by_theory = by_theory, s.port_m = 1e-3 * port, s.viewed_m = 0.6e-3 * port, s.lit_m = s.port_m,
-      s.sample_m = 0.2;
+      s.by_theory = by_theory, s.port_m = 1e-3 * port, s.viewed_m = std::min(0.6e-3 * port, 12e-3),
+      s.lit_m = s.port_m, s.sample_m = 0.2;
       const MeasuredSpectrum m = measure_spectrum(bench, slab, s);
       series.x.push_back(port), series.y.push_back(m.values[0]);
       if (!by_theory)

@@ -14,7 +14,8 @@ struct LaboratoryCurves {
 
 /// A Lambertian base under a smooth coat, read in five geometries: traced values with their errors, and Saunderson's closed form.
 LaboratoryCurves five_instruments(double base, double ior, std::int64_t paths, const std::atomic<bool>& stop);
-/// The reflectance factor de:8 of a slab with the index of air over the diameter of the sample's port, of which 0.6 is viewed.
+/// The reflectance factor de:8 of a slab with the index of air over the diameter of the sample's port, of which 0.6, or 12 mm
+/// at most, is viewed.
 LaboratoryCurves edge_loss(const std::vector<double>& ports_mm, double scattering_per_mm, double thickness_mm,
                            std::int64_t paths, const std::atomic<bool>& stop);
 /// Lobes of a GGX metal in the plane of incidence: readings with errors, and the model that was fitted to them.
