@@ -37,8 +37,7 @@ struct SpectroradiometerOptions {
 };
 
 /// Lines of mercury and argon, as calibration lamps have them, in air [nm] (NIST Atomic Spectra Database).
-const std::vector<double> kMercuryArgon{404.656, 435.833, 546.074, 696.543,
-                                        706.722, 738.398, 763.511, 811.531};
+const std::vector<double> kMercuryArgon{404.656, 435.833, 546.074, 696.543, 738.398, 763.511, 811.531};
 
 /// The mean spectral radiance of a part of a spectral picture.
 LampPower picture_spectrum(const SpectroradiometerOptions& o) {
@@ -99,10 +98,15 @@ int spectroradiometer(SpectroradiometerOptions o) {
     const std::vector<double> one = line_signal(a, nm);
     for (std::size_t i = 0; i < one.size(); ++i) of_lines[i] += one[i];
   }
+  const double search = std::abs(a.curvature_nm) + 2 * a.slit_nm;
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    if (std::abs(lines[i] - lines[i - 1]) < search)
+      tell("note: lines of {:g} and {:g} nm are nearer than {:g} nm and may be taken for each other\n",
+           lines[i - 1], lines[i], search);
   optics::WavelengthScale scale;
   try {
     scale = optics::calibrate_wavelengths(with_array_noise(a, of_lines, o.seed + 1), lines, a.first_nm,
-                                          a.last_nm, std::abs(a.curvature_nm) + 2 * a.slit_nm);
+                                          a.last_nm, search);
   } catch (const std::domain_error& e) {
     throw Error(fmt::format("--lines: {}", e.what()));
   }
