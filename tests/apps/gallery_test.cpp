@@ -128,8 +128,9 @@ TEST(PaintGallery, EverySceneLoads) {
             (std::vector<std::string>{"chart", "glaze", "varnish", "rutile", "metamers"}));
 }
 
-TEST(VolumesGallery, EverySceneLoads) {
-  EXPECT_EQ(load_figures("volumes"), (std::vector<std::string>{"part", "orbital", "head", "forms", "edges"}));
+TEST(LaboratoryGallery, EverySceneLoads) {
+  EXPECT_EQ(load_figures("laboratory"),
+            (std::vector<std::string>{"sphere", "goniometer", "instruments", "edge_loss", "lobes"}));
 }
 
 TEST(DiffractionGallery, EverySceneLoads) {

@@ -495,6 +495,12 @@ std::vector<Case> make_cases() {
   const auto outside = [](auto& o, auto& d) { return hit_ball(o, d, false); };
   all.push_back(
       {"area_rectangle", kRectangle + kRed + "</shape>", hit_rectangle, 1.6, on_rectangle, cosine_bins()});
+  // A target that nearly touches the rectangle and is wide lets all directions pass.
+  all.push_back(
+      {"beam_wide",
+       kRectangle + "<emitter type=\"beam\"><spectrum name=\"radiance\" value=\"" + kSpectrum +
+           R"("/><point name="target" x="0" y="0" z="1.999"/><float name="target_radius" value="1e5"/></emitter></shape>)",
+       hit_rectangle, 1.6, on_rectangle, cosine_bins()});
   all.push_back({"area_rectangle_texture", kRectangle + kTextured + "</shape>", hit_rectangle, 1.6,
                  on_rectangle, cosine_bins()});
   all.push_back({"area_sphere", kSphere + kRed + "</shape>", outside, ball_area, on_ball, cosine_bins()});

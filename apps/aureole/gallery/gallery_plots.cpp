@@ -21,6 +21,7 @@
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/particle/mie_sphere.h"
 #include "gallery/gallery_edge_plots.h"
+#include "gallery/gallery_laboratory_plots.h"
 
 namespace aureole {
 namespace {
@@ -39,6 +40,7 @@ public:
          const std::atomic<bool>& stop)
       : plot_(plot), folder_(std::move(folder)), result_(result), stop_(stop) {}
   bool is_stopped() const { return stop_; }
+  const std::atomic<bool>& stop() const { return stop_; }
   void svg(const std::string& text, const std::string& caption) {
     const std::string name = next(".svg", caption);
     write_file_atomically(folder_ / name, text);
@@ -281,6 +283,25 @@ void plot_opening(const GalleryPlot& plot, GallerySize, Output& out) {
   }
 }
 
+void plot_instruments(const GalleryPlot& plot, GallerySize size, Output& out) {
+  const LaboratoryCurves c = five_instruments(number(plot, "base"), number(plot, "ior"),
+                                              size == kFullSize ? 1 << 19 : 1 << 16, out.stop());
+  out.svg(c.svg, c.caption);
+}
+
+void plot_edge_loss(const GalleryPlot& plot, GallerySize size, Output& out) {
+  const LaboratoryCurves c =
+      edge_loss(numbers(plot, "ports_mm"), number(plot, "scattering_per_mm"), number(plot, "thickness_mm"),
+                size == kFullSize ? 1 << 17 : 1 << 14, out.stop());
+  out.svg(c.svg, c.caption);
+}
+
+void plot_goniometer_lobes(const GalleryPlot& plot, GallerySize size, Output& out) {
+  const LaboratoryCurves c = measured_lobes(number(plot, "alpha"), numbers(plot, "incident"),
+                                            size == kFullSize ? 4096 : 512, out.stop());
+  out.svg(c.svg, c.caption);
+}
+
 /// A parameter of a plot in the gallery file: a number, a list of numbers or one of a set of words.
 struct Parameter {
   enum Type { number, list, word } type;
@@ -364,6 +385,15 @@ const std::map<std::string, Kind>& kinds() {
         {{P::word, "shape", 0, 0, {"square", "ring", "slits"}},
          {P::number, "wavelengths", 7, 60},
          {P::list, "fresnel_numbers", 0.005, 4}}}},
+      {"instruments", {plot_instruments, 1, {{P::number, "base", 0.01, 1}, {P::number, "ior", 1.01, 3}}}},
+      {"edge_loss",
+       {plot_edge_loss,
+        1,
+        {{P::list, "ports_mm", 1, 80},
+         {P::number, "scattering_per_mm", 0.01, 100},
+         {P::number, "thickness_mm", 0.01, 100}}}},
+      {"goniometer_lobes",
+       {plot_goniometer_lobes, 1, {{P::number, "alpha", 0.02, 1}, {P::list, "incident", 0, 80}}}},
       {"structure_map", {plot_structure_map, 1, {{P::number, "u", 1, 200}, {P::number, "highest", 1, 10}}}}};
   return all;
 }

@@ -40,6 +40,7 @@ public:
       else
         note(is_coloured_ ? "the table has colours (linear sRGB), not spectra; they become smooth spectra"
                           : "the table has one value, which is used at all wavelengths");
+      if (!m.errors.empty()) note("uncertainties stand in the table; they do not change the picture");
       if (m.negative > 0)
         note(fmt::format("{} of {} values are negative and count as 0", m.negative, m.values.size()));
       for (const auto* t : {&reflection_, &transmission_})

@@ -119,6 +119,7 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
     int rgb[3] = {-1, -1, -1};
     std::vector<std::pair<double, std::size_t>> wavelengths;
     std::vector<std::size_t> value_columns;
+    std::map<std::string, std::size_t> error_columns;  // by the heading of the value
     for (std::size_t c = 0; c < rows[0].cells.size(); ++c) {
       std::string heading = rows[0].cells[c].text;
       std::transform(heading.begin(), heading.end(), heading.begin(),
@@ -127,6 +128,8 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
       const auto angle = std::find(std::begin(kAngles), std::end(kAngles), heading);
       if (angle != std::end(kAngles)) {
         columns[angle - kAngles] = int(c);
+      } else if (heading.starts_with("u(") && heading.ends_with(")")) {
+        error_columns[heading.substr(2, heading.size() - 3)] = c;
       } else if (heading == "r" || heading == "g" || heading == "b") {
         rgb[heading == "r" ? 0 : heading == "g" ? 1 : 2] = int(c);
       } else if (heading == "f") {
@@ -139,7 +142,7 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
               {name, rows[0].line, rows[0].cells[c].column},
               fmt::format(
                   "unknown column \"{}\"; theta_i, phi_i, theta_o, phi_o, wavelengths such as 550nm, or r, g "
-                  "and b, or f are known",
+                  "and b, or f are known, and standard uncertainties such as u(550nm)",
                   rows[0].cells[c].text.substr(0, 40)));
         wavelengths.emplace_back(*nm, c);
       }
@@ -163,6 +166,21 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
       throw Error({name, rows[0].line, 1},
                   fmt::format("there are {} columns of values; one to {} are expected", m.channels,
                               kMaxScatteredChannels));
+    std::vector<std::size_t> uncertainties;
+    for (const std::size_t c : value_columns) {
+      std::string heading = rows[0].cells[c].text;
+      std::transform(heading.begin(), heading.end(), heading.begin(),
+                     [](unsigned char x) { return std::tolower(x); });
+      if (const auto at = error_columns.find(heading); at != error_columns.end())
+        uncertainties.push_back(at->second);
+    }
+    if (!error_columns.empty() &&
+        (uncertainties.size() != value_columns.size() || error_columns.size() != value_columns.size()))
+      throw Error(
+          {name, rows[0].line, 1},
+          fmt::format(
+              "{} columns of uncertainties, of which {} belong to values, stand beside {} columns of values",
+              error_columns.size(), uncertainties.size(), value_columns.size()));
     for (std::size_t r = 1; r < rows.size(); ++r) {
       const pigment::TextRow& row = rows[r];
       if (row.cells.size() != rows[0].cells.size())
@@ -188,6 +206,12 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
           throw Error({name, row.line, row.cells[c].column}, "the value is no scattering per steradian");
         if (value < 0) value = 0, ++m.negative;
         m.values.push_back(float(value));
+      }
+      for (const std::size_t c : uncertainties) {
+        const double error = pigment::number_of(row, c) / (has_cosine ? cosine : 1);
+        if (!(error >= 0 && error < 1e30))
+          throw Error({name, row.line, row.cells[c].column}, "a standard uncertainty is positive");
+        m.errors.push_back(float(error));
       }
       m.directions.push_back(d);
     }

@@ -22,14 +22,15 @@ struct ScatteredMeasurements {
     int line;
   };
   std::vector<Direction> directions;
-  std::vector<float> values;  ///< f for each direction and channel
-  std::vector<double> nm;     ///< wavelengths [nm]; empty: one channel for all, or red, green, blue
+  std::vector<float> values;  ///< for each direction and channel
+  std::vector<float> errors;  ///< standard uncertainties of the values, or none
+  std::vector<double> nm;     ///< wavelengths; empty: one channel for all, or red, green, blue
   std::size_t channels = 0;
   std::size_t negative = 0;  ///< number of values below zero, which count as zero
 };
 
 /// Reads a table with the columns theta_i, theta_o, optionally phi_i and phi_o, and values: wavelengths ("550nm"), "r", "g"
-/// and "b", or one column "f". `has_cosine`: values are f cos(theta_o), as radiant intensities are. Throws Error located
+/// and "b", or one column "f". Columns such as "u(550nm)" have standard uncertainties; all values or none need one. `has_cosine`: values are f cos(theta_o), as radiant intensities are. Throws Error located
 /// at the line.
 ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& file, bool has_cosine);
 

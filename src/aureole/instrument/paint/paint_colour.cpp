@@ -106,10 +106,7 @@ ColourTarget measured_target(const std::string& file, const std::string& name,
   return result;
 }
 
-/// A light source's power by wavelength, from an illuminant or a file.
-struct Lamp {
-  std::vector<double> nm, power;
-};
+using Lamp = LampPower;
 
 /// Reads a measured lamp: two columns, wavelength and power, with or without a line of headings.
 Lamp read_lamp(const std::string& file) {
@@ -179,6 +176,8 @@ std::string illuminant_called(const std::string& name) {
 }
 
 }  // namespace
+
+LampPower lamp_power(const std::string& name) { return lamp_called(illuminant_called(name)); }
 
 Viewing viewing_of(const std::string& name) {
   for (const auto& [ending, field] :

@@ -25,6 +25,13 @@ Viewing viewing_of(const std::string& name);
 /// "A/2" stays.
 std::string viewed_at(const std::string& illuminant, const std::string& degrees);
 
+/// The relative power of a lamp by wavelength: an illuminant of `illuminant_names`, or a file as `observe` reads it. Throws Error as
+/// `observe` does.
+struct LampPower {
+  std::vector<double> nm, power;
+};
+LampPower lamp_power(const std::string& name);
+
 /// Returns the observer under an illuminant: a name of `illuminant_names`, or a file of a measured lamp with two
 /// columns, wavelength and power; followed by "/10" for the CIE 1964 observer, or by "/2" or nothing for the CIE 1931
 /// observer. Throws Error if there is none, with the nearest name, and if the wavelengths do not cover the

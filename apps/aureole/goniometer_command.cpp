@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole goniometer: a material measured by direction as a traced goniometer does, its table, models fitted to it, and its
+// reflectances.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/measured/scattered_table.h"
+#include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
+#include "aureole/core/units.h"
+#include "aureole/instrument/laboratory/brdf_fit.h"
+#include "aureole/instrument/laboratory/goniometer.h"
+#include "aureole/instrument/report/svg_plot.h"
+#include "command.h"
+#include "messages.h"
+#include "wavelength_steps.h"
+
+namespace aureole {
+namespace {
+
+std::atomic<bool> stop_requested_of_goniometer{false};
+extern "C" void stop_goniometer(int) { stop_requested_of_goniometer = true; }
+
+struct GoniometerOptions {
+  std::string target, plan = "hemispherical", thickness, aperture, lit, sample, output, material, json, plot;
+  std::vector<std::string> defines, models;
+  std::vector<double> range{400, 700};
+  double step = 20, bandwidth = 0;
+  bool fit = false, report = false, is_quiet = false;
+  GonioPlan directions;
+  GoniometerSettings settings;
+  TraceSettings trace;
+};
+
+void set_size(const char* option, const std::string& text, double& metres) {
+  if (text.empty()) return;
+  try {
+    metres = parse_length_m(text);
+  } catch (const Error& e) {
+    throw Error(fmt::format("{} {}: {}", option, text, e.message()));
+  }
+}
+
+/// Readings of a table of text, for fits.
+GonioTable table_of_file(const std::string& file) {
+  const ScatteredMeasurements m = read_scattered_measurements(file, false);
+  GonioTable table;
+  table.nm = m.nm;
+  if (m.nm.empty()) table.nm.assign(m.channels, 550);
+  for (std::size_t k = 0; k < m.directions.size(); ++k) {
+    const auto& d = m.directions[k];
+    GonioReading r{d.theta_i, d.phi_i, d.theta_o, d.phi_o, {}, std::vector<double>(m.channels)};
+    for (std::size_t c = 0; c < m.channels; ++c) {
+      r.f.push_back(double(m.values[k * m.channels + c]));
+      if (!m.errors.empty()) r.error[c] = double(m.errors[k * m.channels + c]);
+    }
+    table.readings.push_back(std::move(r));
+  }
+  if (m.errors.empty())
+    tell("note: {}: states no uncertainties; those of the fit are taken relative to each reading\n", file);
+  if (m.nm.empty() && m.channels > 1) table.nm = {450, 550, 650};
+  return table;
+}
+
+std::string lobe_plot(const std::string& title, const GonioTable& table) {
+  Plot plot{title, "angle in the plane of incidence, degrees", "f, 1/sr, mean of the wavelengths", {}, false};
+  const char* colours[] = {"#2050c0", "#208030", "#c03020", "#806020", "#802080", "#208080", "#404040"};
+  std::vector<double> seen;
+  for (const GonioReading& r : table.readings) {
+    const double relative = std::fmod(r.phi_o - r.phi_i + 720, 360);
+    const bool is_near = relative < 0.5 || relative > 359.5, is_far = std::abs(relative - 180) < 0.5;
+    if (!(is_near || is_far || r.theta_o == 0) || r.theta_o > 90 || r.phi_i != table.readings[0].phi_i)
+      continue;
+    const auto at = std::find(seen.begin(), seen.end(), r.theta_i);
+    const std::size_t k = std::size_t(at - seen.begin());
+    if (at == seen.end()) {
+      seen.push_back(r.theta_i);
+      PlotSeries series;
+      series.label = fmt::format("incidence {:g}", r.theta_i), series.color = colours[k % 7];
+      plot.series.push_back(series);
+    }
+    double mean = 0;
+    for (const double f : r.f) mean += f / double(r.f.size());
+    plot.series[k].x.push_back(is_near ? -r.theta_o : r.theta_o), plot.series[k].y.push_back(mean);
+  }
+  for (PlotSeries& s : plot.series) {
+    std::vector<std::pair<double, double>> points;
+    for (std::size_t i = 0; i < s.x.size(); ++i) points.emplace_back(s.x[i], s.y[i]);
+    std::sort(points.begin(), points.end());
+    for (std::size_t i = 0; i < points.size(); ++i) s.x[i] = points[i].first, s.y[i] = points[i].second;
+  }
+  return svg_plot(plot);
+}
+
+nlohmann::json ratio_json(const Ratio& r) { return {{"value", r.value}, {"error", r.error}}; }
+
+nlohmann::json report_json(const ReflectanceReport& r) {
+  nlohmann::json out = {
+      {"rho_hh", ratio_json(r.hh)}, {"anisotropy", r.anisotropy}, {"is_isotropic", r.is_isotropic}};
+  for (const auto& a : r.angles)
+    out["angles"].push_back({{"angle", a.angle}, {"rho_dh", ratio_json(a.dh)}, {"rho_hd", ratio_json(a.hd)}});
+  for (const auto& p : r.pairs)
+    out["pairs"].push_back(
+        {{"i", p.i}, {"o", p.o}, {"forward", ratio_json(p.forward)}, {"backward", ratio_json(p.backward)}});
+  return out;
+}
+
+nlohmann::json fits_json(const std::vector<BrdfFit>& fits) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const BrdfFit& f : fits) {
+    nlohmann::json one = {{"model", f.model},
+                          {"aic", f.aic},
+                          {"chi_squared", f.chi_squared},
+                          {"readings", f.readings},
+                          {"rms", f.rms},
+                          {"largest_residual", f.largest},
+                          {"bsdf", f.bsdf},
+                          {"parameters", nlohmann::json::object()}};
+    for (const auto& p : f.parameters)
+      one["parameters"][p.name] = {{"value", p.value}, {"low", p.low}, {"high", p.high}};
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+int goniometer(GoniometerOptions o) {
+  GoniometerSettings& s = o.settings;
+  if (!o.output.empty() && std::filesystem::path(o.output).extension() != ".csv")
+    throw Error({o.output, 0, 0}, "the table is a .csv file");
+  if (!o.material.empty() || !o.models.empty()) o.fit = true;
+  set_size("--aperture", o.aperture, s.viewed_m);
+  if (!o.aperture.empty()) s.lit_m = 2 * s.viewed_m;
+  set_size("--lit", o.lit, s.lit_m), set_size("--sample-size", o.sample, s.sample_m);
+  double thickness = 0;
+  set_size("--thickness", o.thickness, thickness);
+  o.directions.kind = o.plan == "in_plane"   ? GonioPlan::Kind::in_plane
+                      : o.plan == "adaptive" ? GonioPlan::Kind::adaptive
+                                             : GonioPlan::Kind::hemispherical;
+  GonioTable table;
+  nlohmann::json out;
+  const std::size_t mark = o.target.rfind('#');
+  const bool is_file = mark == o.target.npos && std::filesystem::path(o.target).extension() == ".csv";
+  if (is_file) {
+    table = table_of_file(o.target);
+    if (!o.output.empty() || o.report)
+      tell("note: a table has been measured already; -o and --report have no effect\n");
+    o.fit = true;
+  } else {
+    if (mark == o.target.npos)
+      throw Error(
+          {o.target, 0, 0},
+          "name a material of the scene as scene.xml#id, the id of a BSDF or a shape, or a table (.csv) to fit");
+    if (!(o.range[0] > 0 && o.range[1] >= o.range[0]))
+      throw Error("--range: two wavelengths in nm are expected, as in 400,700");
+    LoadOptions load;
+    load.defines = split_defines(o.defines);
+    const LoadedSpecimen loaded =
+        load_specimen(o.target.substr(0, mark), o.target.substr(mark + 1), load, thickness);
+    if (!o.is_quiet)
+      for (const std::string& note : loaded.notes) tell("note: {}\n", note);
+    Bands bands;
+    if (o.range[1] > o.range[0]) {
+      SpectralGrid range = loaded.grid;
+      range.min_nm = o.range[0], range.max_nm = o.range[1];
+      bands.nm = wavelength_steps(range, o.step, 20);
+    } else {
+      bands.nm = {o.range[0]};
+    }
+    bands.width_nm = o.bandwidth > 0 ? o.bandwidth : bands.nm.size() > 1 ? bands.nm[1] - bands.nm[0] : 10;
+    o.trace.stop = &stop_requested_of_goniometer;
+    std::signal(SIGINT, stop_goniometer);
+    const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
+    if (o.directions.transmits && !loaded.specimen.is_translucent())
+      tell("note: --transmission: \"{}\" lets no light pass\n", loaded.specimen.name);
+    if (o.report) {
+      TraceSettings more = o.trace;
+      more.paths = std::max<std::int64_t>(more.paths, 1 << 15);
+      const ReflectanceReport r =
+          report_reflectances(Bench(loaded.grid, loaded.length_unit_m, bands, more), loaded.specimen, s);
+      if (!o.is_quiet) fmt::print("{}", report_text(r));
+      out["report"] = report_json(r);
+    }
+    if (!o.report || o.fit || !o.output.empty() || !o.plot.empty()) {
+      table = measure_scattering(bench, loaded.specimen, s, o.directions);
+      for (const std::string& note : table.notes) tell("note: {}\n", note);
+      double relative = 0, weight = 0;
+      for (const GonioReading& r : table.readings)
+        for (std::size_t b = 0; b < r.f.size(); ++b) relative += r.error[b], weight += std::abs(r.f[b]);
+      if (!o.is_quiet)
+        fmt::print(
+            "{}: {} pairs of directions x {} wavelengths, mean uncertainty {:.2g} % of the mean reading\n",
+            o.target, table.readings.size(), table.nm.size(), weight > 0 ? 100 * relative / weight : 0);
+      if (!o.output.empty()) {
+        write_file_atomically(o.output, gonio_table_content(table));
+        if (!o.is_quiet) fmt::print("wrote {}, for the BSDF \"tabulated\"\n", o.output);
+      }
+    }
+  }
+  if (o.fit) {
+    FitSettings fit;
+    fit.models = o.models;
+    if (!is_file) fit.lamp_angle = s.lamp_angle, fit.detector_angle = s.detector_angle;
+    const std::vector<BrdfFit> fits = fit_brdfs(table, fit);
+    if (!o.is_quiet) fmt::print("{}", fit_text(fits));
+    out["fits"] = fits_json(fits);
+    if (!o.material.empty()) {
+      write_file_atomically(o.material, fits[0].bsdf + "\n");
+      if (!o.is_quiet) fmt::print("wrote {}, the model {}\n", o.material, fits[0].model);
+    }
+  }
+  if (!o.plot.empty()) write_file_atomically(o.plot, lobe_plot(o.target, table));
+  if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
+  return 0;
+}
+
+std::function<int()> declare_goniometer(CommandOptions& options) {
+  auto o = std::make_shared<GoniometerOptions>();
+  GoniometerSettings& s = o->settings;
+  o->trace.paths = 512, o->trace.replicates = 8;
+  options
+      .add("target", o->target,
+           "scene.xml#id: the id of a BSDF or a shape; or a table (.csv), to fit models to")
+      .required();
+  options.add("--plan", o->plan, "in_plane, hemispherical or adaptive (denser where f changes)")
+      .one_of({"in_plane", "hemispherical", "adaptive"})
+      .shows_default();
+  options
+      .add("--incident", o->directions.incident, "angles of incidence in degrees (default 0,15,30,45,60,75)")
+      .separated_by(',');
+  options
+      .add("--azimuths", o->directions.azimuths,
+           "azimuths of incidence in degrees (default 0); several for anisotropic materials")
+      .separated_by(',');
+  options.add("--directions", o->directions.directions, "detectors for each direction of incidence and side")
+      .shows_default();
+  options.add("--transmission", o->directions.transmits, "also measure below the sample");
+  options.add("--reference", s.by_reference,
+              "compare with a Lambertian standard; default: measure the irradiance");
+  options.add("--standard", s.standard, "reflectance of the standard").shows_default();
+  options
+      .add("--lamp-angle", s.lamp_angle, "half of the angle under which the sample sees the lamp, in degrees")
+      .shows_default();
+  options
+      .add("--detector-angle", s.detector_angle,
+           "half of the angle under which it sees a detector, in degrees")
+      .shows_default();
+  options.add("--aperture", o->aperture, "diameter of the viewed area (default 10mm)");
+  options.add("--lit", o->lit, "diameter of the lit area (default: twice the viewed one)");
+  options.add("--sample-size", o->sample, "extent of the sample (default 60mm)");
+  options.add("--thickness", o->thickness, "thickness of the slab (default: the shape's smallest extent)");
+  options.add("--noise", s.noise, "noise of the detector relative to the signal").shows_default();
+  options.add("--dark-noise", s.dark_noise, "noise of the detector without light, in 1/sr").shows_default();
+  options.add("--angle-error", s.angle_error, "standard deviation of the polar angles in degrees")
+      .shows_default();
+  options.add("--range", o->range, "first and last wavelength in nm (default 400,700)")
+      .separated_by(',')
+      .takes(2);
+  options.add("--step", o->step, "largest step between wavelengths in nm").between(0.01, 1e9).shows_default();
+  options
+      .add("--bandwidth", o->bandwidth,
+           "full width of the slit function at half maximum in nm (default: the step)")
+      .between(0.01, 1e9);
+  options.add("--paths", o->trace.paths, "paths for each pair of directions").shows_default();
+  options.add("--seed", o->trace.seed, "seed of the paths and of the noise").shows_default();
+  options.add("--threads", o->trace.threads, "threads (default: all cores)");
+  options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  options.add("-o,--output", o->output, "write the readings to this .csv file, which \"tabulated\" reads")
+      .names_output();
+  options.add("--fit", o->fit, "fit analytic models to the readings");
+  options.add("--models", o->models, "the models to fit (default: all), as in ward,ggx").separated_by(',');
+  options.add("--material", o->material, "write the best model as a <bsdf> element to this file")
+      .names_output();
+  options.add("--report", o->report, "measure reflectances, reciprocity, energy and isotropy");
+  options.add("--json", o->json, "write fits and report to this file").names_output();
+  options.add("--plot", o->plot, "write the lobes in the plane of incidence to this SVG file").names_output();
+  options.add("-q,--quiet", o->is_quiet, "print errors only");
+  return [o] { return goniometer(*o); };
+}
+
+AUREOLE_COMMAND("goniometer",
+                "Scattering by direction as a traced goniometer measures it, with fits of analytic models",
+                declare_goniometer);
+
+}  // namespace
+}  // namespace aureole

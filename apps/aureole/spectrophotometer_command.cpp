@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole spectrophotometer: the reflectance factor or transmittance of a material as a traced instrument measures it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
+#include "aureole/core/units.h"
+#include "aureole/instrument/laboratory/spectrophotometer.h"
+#include "aureole/instrument/laboratory/spectrum_files.h"
+#include "aureole/instrument/paint/colour_figures.h"
+#include "aureole/instrument/report/svg_plot.h"
+#include "command.h"
+#include "messages.h"
+#include "wavelength_steps.h"
+
+namespace aureole {
+namespace {
+
+std::atomic<bool> stop_requested_of_spectrophotometer{false};
+extern "C" void stop_spectrophotometer(int) { stop_requested_of_spectrophotometer = true; }
+
+struct SpectrophotometerOptions {
+  std::string target, geometry = "45a:0", method, thickness, aperture, lit, sample, sphere, port, json, plot,
+                      name, monochromator;
+  std::vector<std::string> defines, outputs;
+  std::vector<double> range{400, 700}, gloss;
+  double step = 10, bandwidth = 0, haze = 0;
+  bool transmission = false, theory = false, correct = false, is_quiet = false;
+  SpectrophotometerSettings settings;
+  TraceSettings trace;
+};
+
+/// Reads a length with a unit; empty text leaves the value.
+void set_length(const char* option, const std::string& text, double& metres) {
+  if (text.empty()) return;
+  try {
+    metres = parse_length_m(text);
+  } catch (const Error& e) {
+    throw Error(fmt::format("{} {}: {}", option, text, e.message()));
+  }
+}
+
+void print_spectrum(const SpectrophotometerOptions& o, const MeasuredSpectrum& m) {
+  fmt::print("{}: {} at {}{}\n", o.target, o.transmission ? "transmittance" : "reflectance factor",
+             o.geometry, o.settings.by_theory ? ", sphere by theory" : "");
+  fmt::print("    nm      value   standard uncertainty");
+  for (const auto& cause : m.causes) fmt::print("  {:>10}", cause.name);
+  fmt::print("\n");
+  for (std::size_t i = 0; i < m.nm.size(); ++i) {
+    fmt::print("{:>6g} {:>10.6f} {:>22.6f}", m.nm[i], m.values[i], m.error(i));
+    for (const auto& cause : m.causes) fmt::print("  {:>10.6f}", cause.errors[i]);
+    fmt::print("\n");
+  }
+  try {
+    const ColourFigures c = colour_figures(m.nm, m.values, "D65/10");
+    fmt::print("D65, 10 degrees: Y {:.3f}  x {:.4f}  y {:.4f}  L* {:.2f}  a* {:.2f}  b* {:.2f}\n", c.xyz[1],
+               c.chromaticity.x, c.chromaticity.y, c.lab.l, c.lab.a, c.lab.b);
+  } catch (const std::exception&) {
+    tell("note: the wavelengths do not cover the visible range; no colour is printed\n");
+  }
+}
+
+nlohmann::json spectrum_json(const SpectrophotometerOptions& o, const MeasuredSpectrum& m) {
+  nlohmann::json out = {{"target", o.target},     {"quantity", o.transmission ? "T" : "R"},
+                        {"geometry", o.geometry}, {"wavelengths_nm", m.nm},
+                        {"values", m.values},     {"uncertainty", nlohmann::json::object()}};
+  for (const auto& cause : m.causes) out["uncertainty"][cause.name] = cause.errors;
+  for (std::size_t i = 0; i < m.nm.size(); ++i) out["standard_uncertainty"].push_back(m.error(i));
+  return out;
+}
+
+std::string spectrum_plot(const SpectrophotometerOptions& o, const MeasuredSpectrum& m) {
+  Plot plot{o.target + " at " + o.geometry,
+            "wavelength, nm",
+            o.transmission ? "transmittance" : "reflectance factor",
+            {},
+            false};
+  const auto add = [&](double sigmas, const char* label, const char* colour) {
+    PlotSeries series;
+    series.x = m.nm, series.label = label, series.color = colour;
+    for (std::size_t i = 0; i < m.nm.size(); ++i) series.y.push_back(m.values[i] + sigmas * m.error(i));
+    plot.series.push_back(series);
+  };
+  add(0, "measured", "#2050c0"), add(2, "2 standard uncertainties", "#a0b0d0"), add(-2, "", "#a0b0d0");
+  return svg_plot(plot);
+}
+
+int spectrophotometer(SpectrophotometerOptions o) {
+  for (const std::string& output : o.outputs) require_spectrum_file(output), require_writable(output);
+  SpectrophotometerSettings& s = o.settings;
+  s.geometry = measuring_geometry(o.geometry, o.transmission);
+  s.by_theory = o.theory, s.correct_bandwidth = o.correct;
+  if (!o.method.empty())
+    s.method = o.method == "substitution" ? SpectrophotometerSettings::Method::substitution
+               : o.method == "absolute"   ? SpectrophotometerSettings::Method::absolute
+                                          : SpectrophotometerSettings::Method::comparison;
+  set_length("--aperture", o.aperture, s.viewed_m);
+  s.lit_m = s.viewed_m + 4e-3;
+  set_length("--lit", o.lit, s.lit_m), set_length("--sample-size", o.sample, s.sample_m);
+  set_length("--sphere", o.sphere, s.sphere_m), set_length("--port", o.port, s.port_m);
+  double thickness = 0;
+  set_length("--thickness", o.thickness, thickness);
+  if (!o.thickness.empty() && !(thickness > 0)) throw Error("--thickness: must be positive");
+  if (!(o.range[0] > 0 && o.range[1] >= o.range[0]))
+    throw Error("--range: two wavelengths in nm are expected, as in 400,700");
+  const std::size_t mark = o.target.rfind('#');
+  if (mark == o.target.npos)
+    throw Error({o.target, 0, 0},
+                "name a material of the scene as scene.xml#id, the id of a BSDF or a shape");
+  LoadOptions load;
+  load.defines = split_defines(o.defines);
+  const LoadedSpecimen loaded =
+      load_specimen(o.target.substr(0, mark), o.target.substr(mark + 1), load, thickness);
+  if (!o.is_quiet)
+    for (const std::string& note : loaded.notes) tell("note: {}\n", note);
+  if (!o.monochromator.empty())
+    tell(
+        "note: --monochromator: no material here fluoresces; before and after the sample it measures alike\n");
+  Bands bands;
+  if (o.range[1] > o.range[0]) {
+    SpectralGrid range = loaded.grid;
+    range.min_nm = o.range[0], range.max_nm = o.range[1];
+    bands.nm = wavelength_steps(range, o.step, 10);
+  } else {
+    bands.nm = {o.range[0]};
+  }
+  bands.width_nm = o.bandwidth > 0 ? o.bandwidth : bands.nm.size() > 1 ? bands.nm[1] - bands.nm[0] : 10;
+  o.trace.stop = &stop_requested_of_spectrophotometer;
+  std::signal(SIGINT, stop_spectrophotometer);
+  const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
+  nlohmann::json out;
+  if (o.haze > 0 || !o.gloss.empty()) {
+    std::vector<double> weights;
+    double sum = 0;
+    const pigment::Observation observer = observe("C", bands.nm);
+    for (const pigment::Xyz& w : observer.weights()) weights.push_back(w[1]), sum += w[1];
+    for (double& w : weights) w /= sum;
+    for (const double angle : o.gloss) {
+      const Ratio g = measure_gloss(bench, loaded.specimen, angle, s, weights);
+      fmt::print("gloss at {:g} degrees: {:.2f} units, standard error {:.2f}\n", angle, g.value, g.error);
+      out["gloss"][fmt::format("{:g}", angle)] = {{"units", g.value}, {"error", g.error}};
+    }
+    if (o.haze > 0) {
+      const Haze h = measure_haze(bench, loaded.specimen, s, o.haze, weights);
+      fmt::print("total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}\n", h.total,
+                 h.total_error, o.haze, h.haze, h.haze_error);
+      out["haze"] = {
+          {"angle", o.haze}, {"total_transmittance", h.total}, {"haze", h.haze}, {"error", h.haze_error}};
+    }
+    if (!o.outputs.empty() || !o.plot.empty())
+      tell("note: gloss and haze are numbers; -o and --plot have no effect beside them\n");
+    if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
+    return 0;
+  }
+  const MeasuredSpectrum m = measure_spectrum(bench, loaded.specimen, s);
+  for (const std::string& note : m.notes) tell("note: {}\n", note);
+  if (!o.is_quiet) print_spectrum(o, m);
+  pigment::SampleTable table{m.nm, {}};
+  pigment::Sample& sample = table.samples.emplace_back();
+  sample.name = o.name.empty() ? o.target.substr(mark + 1) : o.name;
+  sample.paints = {{sample.name, 1}};
+  if (o.transmission) sample.quantity = pigment::Sample::Quantity::transmittance;
+  sample.values = m.values;
+  for (const std::string& output : o.outputs)
+    write_file_atomically(output, spectrum_file_content(output, table, o.geometry));
+  if (!o.json.empty()) write_file_atomically(o.json, spectrum_json(o, m).dump(1) + "\n");
+  if (!o.plot.empty()) write_file_atomically(o.plot, spectrum_plot(o, m));
+  return 0;
+}
+
+std::function<int()> declare_spectrophotometer(CommandOptions& options) {
+  auto o = std::make_shared<SpectrophotometerOptions>();
+  SpectrophotometerSettings& s = o->settings;
+  options
+      .add("target", o->target, "scene.xml#id: the id of a BSDF, or of a shape, whose medium becomes a slab")
+      .required();
+  options
+      .add(
+          "--geometry", o->geometry,
+          "geometry of CIE 15: 45a:0 45x:0 0:45a 0:45x di:8 de:8 8:di 8:de d:0 d:d; with --transmission 0:0 di:0 "
+          "de:0 0:di 0:de d:d")
+      .shows_default();
+  options.add("--transmission", o->transmission, "measure what is transmitted");
+  options
+      .add("--method", o->method,
+           "substitution, comparison (default; both in the sphere at once) or absolute")
+      .one_of({"substitution", "comparison", "absolute"});
+  options.add("--theory", o->theory, "the sphere in closed form: faster, without its uneven light");
+  options.add("--range", o->range, "first and last wavelength in nm (default 400,700)")
+      .separated_by(',')
+      .takes(2);
+  options.add("--step", o->step, "largest step between wavelengths in nm").between(0.01, 1e9).shows_default();
+  options
+      .add("--bandwidth", o->bandwidth,
+           "full width of the slit function at half maximum in nm (default: the step)")
+      .between(0.01, 1e9);
+  options.add("--correct-bandwidth", o->correct,
+              "subtract the effect of the bandwidth (Stearns and Stearns 1988)");
+  options.add("--aperture", o->aperture, "diameter of the viewed area (default 8mm)");
+  options.add("--lit", o->lit, "diameter of the area that a beam lights (default: 4mm more)");
+  options.add("--sample-size", o->sample, "extent of the sample (default 60mm)");
+  options.add("--thickness", o->thickness, "thickness of the slab (default: the shape's smallest extent)");
+  options.add("--sphere", o->sphere, "diameter of the sphere (default 150mm)");
+  options.add("--port", o->port, "diameter of the sample's port (default 25mm)");
+  options.add("--wall", s.wall, "reflectance of the sphere's wall").shows_default();
+  options
+      .add("--specular-port", s.specular_angle,
+           "half-angle of the specular port in degrees (default: as the mirrored beam needs)")
+      .between(0.1, 20);
+  options
+      .add("--lamp-angle", s.lamp_angle, "half of the angle under which the sample sees the lamp, in degrees")
+      .shows_default();
+  options
+      .add("--detector-angle", s.detector_angle,
+           "half of the angle under which it sees the detector, in degrees")
+      .shows_default();
+  options.add("--azimuth", s.azimuth, "azimuth of the lamp or detector of 45x, in degrees").shows_default();
+  options.add("--standard", s.standard, "reflectance of the Lambertian standard").shows_default();
+  options.add("--standard-error", s.standard_error, "relative standard uncertainty of the standard")
+      .shows_default();
+  options.add("--noise", s.noise, "noise of the detector at the standard's signal, relative to it")
+      .shows_default();
+  options.add("--dark-noise", s.dark_noise, "noise without light, relative to the standard's signal")
+      .shows_default();
+  options.add("--wavelength-error", s.wavelength_error_nm, "standard uncertainty of the wavelengths in nm")
+      .shows_default();
+  options.add("--monochromator", o->monochromator, "before or after the sample").one_of({"before", "after"});
+  options
+      .add("--haze", o->haze,
+           "instead: total transmittance and haze beyond this angle in degrees (ASTM D1003: 2.5)")
+      .between(0.01, 10);
+  options.add("--gloss", o->gloss, "instead: gloss units at these angles, 20,60,85 (ISO 2813)")
+      .separated_by(',');
+  options.add("--paths", o->trace.paths, "paths for each detector").shows_default();
+  options.add("--seed", o->trace.seed, "seed of the paths and of the noise").shows_default();
+  options.add("--threads", o->trace.threads, "threads (default: all cores)");
+  options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  options.add("-o,--output", o->outputs, "write this .csv, .cxf (CxF 3) or .cgats file; may be repeated")
+      .takes_each_time(1);
+  options.add("--name", o->name, "name of the sample in files (default: the id)");
+  options.add("--json", o->json, "write values and uncertainties by cause to this file").names_output();
+  options.add("--plot", o->plot, "write the spectrum to this SVG file").names_output();
+  options.add("-q,--quiet", o->is_quiet, "print errors only");
+  return [o] { return spectrophotometer(*o); };
+}
+
+AUREOLE_COMMAND("spectrophotometer",
+                "Reflectance factor, transmittance, haze and gloss as a traced instrument measures them",
+                declare_spectrophotometer);
+
+}  // namespace
+}  // namespace aureole

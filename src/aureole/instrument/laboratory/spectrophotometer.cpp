@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/laboratory/spectrophotometer.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/error.h"
+#include "aureole/core/keyed_random.h"
+#include "aureole/instrument/laboratory/spectrophotometer_scene.h"
+#include "aureole/math/vec.h"
+
+namespace aureole {
+namespace {
+
+using End = MeasuringGeometry::End;
+using Method = SpectrophotometerSettings::Method;
+using Reads = SpectrophotometerScenes::Reads;
+
+/// A number of the standard normal distribution (G. E. P. Box, M. E. Muller 1958).
+double normal_number(KeyedRandom& random) {
+  const double u = 1 - double(random.next()), v = double(random.next());
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * kPiD * v);
+}
+
+/// Measured means over triangles of the width w exceed the spectrum by w^2/12 times its second derivative; this subtracts it
+/// (E. I. Stearns, R. E. Stearns, Color Res. Appl. 13(4), 1988; their 0.083 is 1/12 for a width of one step).
+void correct_bandwidth(const Bands& bands, MeasuredSpectrum& m) {
+  const std::vector<double>& nm = bands.nm;
+  const std::size_t n = nm.size();
+  if (n < 2) {
+    m.notes.push_back("the bandwidth is not corrected: that needs neighbours");
+    return;
+  }
+  const double step = nm[1] - nm[0];
+  for (std::size_t i = 1; i < n; ++i)
+    if (std::abs(nm[i] - nm[i - 1] - step) > 1e-6 * step) {
+      m.notes.push_back("the bandwidth is not corrected: that needs equal steps of wavelength");
+      return;
+    }
+  const double a = bands.width_nm * bands.width_nm / (12 * step * step);
+  const auto corrected = [&](const std::vector<double>& x) {
+    std::vector<double> y(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double low = i > 0 ? x[i - 1] : x[i], high = i + 1 < n ? x[i + 1] : x[i];
+      y[i] = (1 + 2 * a) * x[i] - a * (low + high);
+    }
+    return y;
+  };
+  m.values = corrected(m.values);
+  // Errors of neighbours are taken for independent, but for those of the scales.
+  for (MeasuredSpectrum::Cause& cause : m.causes)
+    if (cause.name == "tracing" || cause.name == "detector")
+      for (double& e : cause.errors) e *= std::sqrt((1 + 2 * a) * (1 + 2 * a) + 2 * a * a);
+}
+
+/// Adds the noise of the detector to the values, and the uncertainties of detector, standard and wavelengths.
+void add_errors(const Bench& bench, const SpectrophotometerSettings& s, double standard,
+                MeasuredSpectrum& m) {
+  const std::vector<double>& nm = m.nm;
+  const std::size_t n = nm.size();
+  std::vector<double> detector(n), of_standard(n), wavelength(n);
+  const std::vector<double> noiseless = m.values;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double signal = noiseless[i] / standard;
+    // The sample's reading has the root of the signal for noise, as counted light has; the standard's reading is relative.
+    const double sample2 = s.noise * s.noise * std::max(signal, 0.0) + s.dark_noise * s.dark_noise;
+    const double standard2 = (s.noise * s.noise + s.dark_noise * s.dark_noise) * signal * signal;
+    detector[i] = standard * std::sqrt(sample2 + standard2);
+    of_standard[i] = std::abs(noiseless[i]) * s.standard_error;
+    if (n > 1) {
+      const std::size_t a = i > 0 ? i - 1 : i, b = i + 1 < n ? i + 1 : i;
+      wavelength[i] = std::abs((noiseless[b] - noiseless[a]) / (nm[b] - nm[a])) * s.wavelength_error_nm;
+    }
+    KeyedRandom random(std::uint32_t(mix_bits(bench.settings().seed * 0x9e3779b97f4a7c15u + i) >> 16));
+    if (detector[i] > 0) m.values[i] += detector[i] * normal_number(random);
+  }
+  m.causes.push_back({"detector", detector});
+  if (standard != 1 || s.standard_error > 0) m.causes.push_back({"standard", of_standard});
+  m.causes.push_back({"wavelength", wavelength});
+}
+
+/// A scene of the instrument with its detectors' mean.
+Readings read(const Bench& bench, const InstrumentScene& scene) {
+  const Readings all = bench.trace(scene.content, scene.given, scene.detectors, scene.integrator);
+  return all.detectors() > 1 ? all.averaged() : all;
+}
+
+}  // namespace
+
+std::vector<MeasuringGeometry> measuring_geometries(bool transmission) {
+  constexpr End kSpecular = End::sphere, kDiffuse = End::sphere_without_specular;
+  if (transmission)
+    return {{"0:0", true, End::normal, End::normal}, {"di:0", true, kSpecular, End::normal},
+            {"de:0", true, kDiffuse, End::normal},   {"0:di", true, End::normal, kSpecular},
+            {"0:de", true, End::normal, kDiffuse},   {"d:d", true, kSpecular, kSpecular}};
+  return {{"45a:0", false, End::ring, End::normal}, {"45x:0", false, End::forty_five, End::normal},
+          {"0:45a", false, End::normal, End::ring}, {"0:45x", false, End::normal, End::forty_five},
+          {"di:8", false, kSpecular, End::eight},   {"de:8", false, kDiffuse, End::eight},
+          {"8:di", false, End::eight, kSpecular},   {"8:de", false, End::eight, kDiffuse},
+          {"d:0", false, kDiffuse, End::normal},    {"d:d", false, kSpecular, kSpecular}};
+}
+
+MeasuringGeometry measuring_geometry(const std::string& name, bool transmission) {
+  std::vector<std::string> names;
+  for (const MeasuringGeometry& g : measuring_geometries(transmission)) {
+    if (g.name == name) return g;
+    names.push_back(g.name);
+  }
+  std::string message = fmt::format("\"{}\" is no geometry of {}{}; there are {}", name,
+                                    transmission ? "transmission" : "reflection", did_you_mean(name, names),
+                                    fmt::join(names, ", "));
+  for (const MeasuringGeometry& g : measuring_geometries(!transmission))
+    if (g.name == name)
+      message += transmission ? "; without --transmission it is one" : "; with --transmission it is one";
+  throw Error(message);
+}
+
+double MeasuredSpectrum::error(std::size_t band) const {
+  double squares = 0;
+  for (const Cause& cause : causes) squares += cause.errors[band] * cause.errors[band];
+  return std::sqrt(squares);
+}
+
+MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
+                                  const SpectrophotometerSettings& s) {
+  const SpectrophotometerScenes scenes(bench, s);
+  const MeasuringGeometry& g = s.geometry;
+  const std::size_t n = bench.bands().nm.size();
+  MeasuredSpectrum m;
+  m.nm = bench.bands().nm, m.notes = bench.notes();
+  MeasuredSpectrum::Cause tracing{"tracing", std::vector<double>(n)};
+  const Specimen standard = g.transmits ? open_port() : lambertian_standard(s.standard);
+  double scale = g.transmits ? 1 : s.standard;
+  const bool beside = s.method == Method::comparison && g.has_sphere() && !g.transmits &&
+                      !(g.light >= End::sphere && g.view >= End::sphere);
+  std::optional<Readings> over, under;
+  // The open port is measured with the specular port closed, which would take all of its light. The sphere is brighter then.
+  SpectrophotometerSettings of_standard = s;
+  double closed_port = 1;
+  if (g.transmits && (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
+    of_standard.geometry = measuring_geometry(g.light < End::sphere ? "0:di" : "di:0", true);
+    const SpectrophotometerScenes closed(bench, of_standard);
+    if (!s.by_theory) closed_port = closed.sphere().throughput(0) / scenes.sphere().throughput(0);
+  }
+  const SpectrophotometerScenes standard_scenes(bench, of_standard);
+  if (s.by_theory) {
+    over = read(bench, scenes.in_even_light(specimen, Reads::sample));
+    under =
+        read(bench, s.method == Method::absolute ? scenes.in_even_light(specimen, Reads::irradiance)
+                                                 : standard_scenes.in_even_light(standard, Reads::sample));
+    if (g.view >= End::sphere && g.light < End::sphere)
+      m.notes.push_back(
+          fmt::format("{} by theory is measured with light and detector exchanged (Helmholtz)", g.name));
+  } else if (s.method == Method::absolute) {
+    over = read(bench, scenes.instrument(specimen, nullptr, Reads::sample));
+    // Rays of a cosine receiver find even light; that of a lamp is told by a perfect diffuser, which has it over pi for radiance.
+    under = read(bench, g.has_sphere() ? scenes.instrument(specimen, nullptr, Reads::irradiance)
+                                       : scenes.instrument(lambertian_standard(1), nullptr, Reads::sample));
+  } else if (beside) {
+    over = read(bench, scenes.instrument(specimen, &standard, Reads::sample));
+    under = read(bench, scenes.instrument(specimen, &standard, Reads::standard_beside));
+  } else {
+    over = read(bench, scenes.instrument(specimen, nullptr, Reads::sample));
+    under = read(bench, standard_scenes.instrument(standard, nullptr, Reads::sample));
+    if (s.method == Method::comparison && g.has_sphere())
+      m.notes.push_back(fmt::format("{} has one port: sample and {} take turns (substitution)", g.name,
+                                    g.transmits ? "open port" : "standard"));
+  }
+  if (s.method == Method::absolute) scale = g.has_sphere() ? kPiD : 1;
+  scale *= closed_port;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Ratio q = ratio_of(*over, 0, *under, 0, i);
+    if (!std::isfinite(q.value))
+      throw Error(fmt::format("{}: the instrument receives no light of its {} at {:g} nm", g.name,
+                              s.method == Method::absolute ? "lamp"
+                              : g.transmits                ? "open port"
+                                                           : "standard",
+                              m.nm[i]));
+    m.values.push_back(scale * q.value), tracing.errors[i] = scale * q.error;
+  }
+  if (s.by_theory && s.method == Method::substitution) {
+    const IntegratingSphere sphere = scenes.sphere();
+    const Readings of_sample = read(bench, scenes.diffuse_reflection(specimen));
+    const Readings of_standard = read(bench, scenes.diffuse_reflection(lambertian_standard(1)));
+    for (std::size_t i = 0; i < n; ++i) {
+      const double diffuse = ratio_of(of_sample, 0, of_standard, 0, i).value;
+      const double factor = sphere.throughput(diffuse) / sphere.throughput(g.transmits ? 0 : s.standard);
+      m.values[i] *= factor, tracing.errors[i] *= factor;
+    }
+  }
+  m.causes.push_back(tracing);
+  add_errors(bench, s, s.method == Method::absolute ? 1 : g.transmits ? 1 : s.standard, m);
+  if (s.correct_bandwidth) correct_bandwidth(bench.bands(), m);
+  return m;
+}
+
+Haze measure_haze(const Bench& bench, const Specimen& specimen, SpectrophotometerSettings s, double angle,
+                  const std::vector<double>& weights) {
+  if (!(angle > 0 && angle <= 10))
+    throw Error(fmt::format("haze beyond {:g} degrees: more than 0 and at most 10 is expected", angle));
+  s.specular_angle = angle;
+  s.geometry = measuring_geometry("0:di", true);
+  const MeasuredSpectrum total = measure_spectrum(bench, specimen, s);
+  s.geometry = measuring_geometry("0:de", true);
+  const MeasuredSpectrum diffuse = measure_spectrum(bench, specimen, s);
+  Haze h;
+  double scattered = 0, scattered2 = 0, total2 = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    h.total += weights[i] * total.values[i], scattered += weights[i] * diffuse.values[i];
+    total2 += std::pow(weights[i] * total.error(i), 2),
+        scattered2 += std::pow(weights[i] * diffuse.error(i), 2);
+  }
+  h.total_error = std::sqrt(total2);
+  if (!(h.total > 0)) throw Error("the sample transmits no light, of which haze could be a part");
+  h.haze = scattered / h.total;
+  h.haze_error = std::sqrt(scattered2 + h.haze * h.haze * total2) / h.total;
+  return h;
+}
+
+Ratio measure_gloss(const Bench& bench, const Specimen& specimen, double angle,
+                    const SpectrophotometerSettings& s, const std::vector<double>& weights) {
+  // Angles of the image of the source and of the receptor's aperture, in the plane of incidence and across (ISO 2813).
+  struct Apertures {
+    double angle, width, height;
+  };
+  constexpr Apertures kReceptors[] = {{20, 1.80, 3.6}, {60, 4.4, 11.7}, {85, 4.0, 6.0}};
+  constexpr double kSourceWidth = 0.75, kSourceHeight = 2.5;
+  const auto* at = std::find_if(std::begin(kReceptors), std::end(kReceptors),
+                                [&](const Apertures& a) { return a.angle == angle; });
+  if (at == std::end(kReceptors))
+    throw Error(fmt::format("gloss at {:g} degrees: ISO 2813 has 20, 60 and 85 degrees", angle));
+  // At a distance of many spots the light is as parallel as a lens makes it.
+  const double distance = 500 * s.viewed_m, unit = bench.length_unit_m();
+  const auto extent = [&](double degrees) { return 2 * distance * std::tan(0.5 * degrees * kDegree); };
+  const double t = angle * kDegree;
+  const std::array<double, 3> from{std::sin(t) * distance / unit, 0, std::cos(t) * distance / unit};
+  const Transform lamp = facing(from, {-std::sin(t), 0, -std::cos(t)});
+  if (s.sample_m < 2 * s.viewed_m)
+    throw Error(fmt::format("the sample of {:g} mm is smaller than the lit spot of {:g} mm", s.sample_m * 1e3,
+                            2e3 * s.viewed_m));
+  const auto read_one = [&](const Specimen& sample) {
+    InstrumentScene scene;
+    scene.content = specimen_shape(
+        sample, {.matrix = matrix_text({}), .radius = 0.5 * s.sample_m / unit, .length_unit_m = unit},
+        scene.given);
+    // The local x axis of `facing` lies in the plane of incidence.
+    scene.content += fmt::format(
+        "<shape type=\"rectangle\"><transform name=\"to_world\"><scale x=\"{:.9g}\" y=\"{:.9g}\"/><matrix value=\"{}\"/>"
+        "</transform><emitter type=\"beam\"><spectrum name=\"radiance\" value=\"1\"/><float name=\"target_radius\" "
+        "value=\"{}\"/></emitter></shape>",
+        0.5 * extent(kSourceWidth) / unit, 0.5 * extent(kSourceHeight) / unit, matrix_text(lamp),
+        bench.length(s.viewed_m));
+    scene.content += fmt::format(
+        "<sensor type=\"detector\"><string name=\"directions\" value=\"{:g} 180\"/><float name=\"distance\" value=\"{}\"/>"
+        "<float name=\"field_radius\" value=\"{}\"/><string name=\"aperture_size\" value=\"{} {}\"/>{}</sensor>",
+        angle, bench.length(distance), bench.length(0.5 * s.viewed_m), bench.length(extent(at->width)),
+        bench.length(extent(at->height)), bench.film(1));
+    return bench.trace(scene.content, scene.given, 1);
+  };
+  // One band of luminance.
+  const auto luminance = [&](const Readings& all) {
+    Readings one(all.replicates(), 1, 1);
+    for (std::size_t r = 0; r < all.replicates(); ++r)
+      for (std::size_t b = 0; b < all.bands(); ++b) one.at(r, 0, 0) += weights[b] * all.at(r, 0, b);
+    return one;
+  };
+  Ratio gloss = ratio_of(luminance(read_one(specimen)), 0, luminance(read_one(black_glass(1.567))), 0, 0);
+  gloss.value *= 100, gloss.error *= 100;
+  return gloss;
+}
+
+}  // namespace aureole

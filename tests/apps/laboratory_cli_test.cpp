@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole spectrophotometer, goniometer and color as a user meets them: files out, files in again, and wrong input with its
+// place, exit code 2 and nothing written.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "harness/paths.h"
+#include "harness/program.h"
+#include "loading/load_text.h"
+
+namespace aureole::test {
+namespace {
+
+class LaboratoryCli : public ::testing::Test {
+protected:
+  LaboratoryCli() {
+    write("m.xml", R"(<scene version="3.0.0">
+      <bsdf type="diffuse" id="grey"><float name="reflectance" value="0.3"/></bsdf>
+      <bsdf type="roughconductor" id="metal"><string name="material" value="none"/><float name="alpha" value="0.3"/></bsdf>
+      <shape type="rectangle" id="flat"><medium type="homogeneous" name="interior"/></shape>
+      <shape type="cube" id="slab"><transform name="to_world"><scale x="0.1" y="0.1" z="0.004"/></transform><bsdf type="null"/>
+        <medium type="homogeneous" name="interior"><float name="sigma_t" value="2000"/><float name="albedo" value="0.99"/></medium></shape>
+      </scene>)");
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder.path / name) << text; }
+  /// Runs the program in the test's folder; its output is in `said`.
+  int run(const std::vector<std::string>& arguments) {
+    const ProgramEnd end = run_program(folder.path, arguments);
+    said = end.output;
+    return end.exit_code;
+  }
+  void fails(const std::vector<std::string>& arguments, const std::string& message) {
+    EXPECT_EQ(run(arguments), 2) << arguments[1];
+    EXPECT_NE(said.find(message), std::string::npos) << said;
+  }
+  nlohmann::json json(const std::string& name) {
+    return nlohmann::json::parse(file_content(folder.path / name));
+  }
+
+  TemporaryFolder folder;
+  std::string said;
+};
+
+TEST_F(LaboratoryCli, SpectrophotometersFilesGoToThePigmentCommands) {
+  ASSERT_EQ(run({"spectrophotometer",
+                 "m.xml#grey",
+                 "--geometry",
+                 "di:8",
+                 "--theory",
+                 "--paths",
+                 "4096",
+                 "-o",
+                 "a.csv",
+                 "-o",
+                 "a.cxf",
+                 "-o",
+                 "a.cgats",
+                 "--json",
+                 "a.json",
+                 "--plot",
+                 "a.svg",
+                 "--noise",
+                 "0.001",
+                 "--standard-error",
+                 "0.003"}),
+            0)
+      << said;
+  const nlohmann::json a = json("a.json");
+  ASSERT_EQ(a["values"].size(), 31u);
+  for (const double v : a["values"]) EXPECT_NEAR(v, 0.3, 0.003);
+  // The standard's uncertainty of 0.3 % is a cause of its own.
+  EXPECT_NEAR(a["uncertainty"]["standard"][5].get<double>(), 0.0009, 1e-5);
+  EXPECT_NE(said.find("D65, 10 degrees: Y "), std::string::npos) << said;
+  for (const char* name : {"a.csv", "a.cxf", "a.cgats"}) {
+    ASSERT_EQ(run({"color", name, "--json", "c.json"}), 0) << said;
+    EXPECT_NEAR(json("c.json")["colours"][0]["xyz"][1].get<double>(), 30, 0.2) << name;
+    ASSERT_EQ(run({"pigment", "colour", name}), 0) << name << said;
+  }
+}
+
+TEST_F(LaboratoryCli, EqualSeedsReadEqualValues) {
+  for (const char* name : {"a.json", "b.json"})
+    ASSERT_EQ(run({"spectrophotometer", "m.xml#metal", "--geometry", "de:8", "--range", "500,600", "--step",
+                   "50", "--paths", "2048", "--noise", "0.01", "--seed", "7", "--json", name, "--threads",
+                   name[0] == 'a' ? "1" : "2"}),
+              0)
+        << said;
+  EXPECT_EQ(json("a.json")["values"], json("b.json")["values"]);
+}
+
+TEST_F(LaboratoryCli, SlabsAreMeasuredWithTheirMedium) {
+  const auto read = [&](const std::string& port, const std::string& viewed) {
+    EXPECT_EQ(run({"spectrophotometer", "m.xml#slab", "--geometry", "de:8", "--theory", "--range", "550,550",
+                   "--paths", "32768", "--port", port, "--aperture", viewed, "--sample-size", "150mm",
+                   "--json", "s.json"}),
+              0)
+        << said;
+    return json("s.json")["values"][0].get<double>();
+  };
+  EXPECT_LT(read("6mm", "4mm"), read("40mm", "8mm") - 0.01);
+  // Half of the thickness lets more light through.
+  const auto transmitted = [&](const std::string& thickness) {
+    EXPECT_EQ(run({"spectrophotometer", "m.xml#slab", "--transmission", "--geometry", "di:0", "--theory",
+                   "--range", "550,550", "--paths", "32768", "--thickness", thickness, "--json", "s.json"}),
+              0)
+        << said;
+    return json("s.json")["values"][0].get<double>();
+  };
+  EXPECT_GT(transmitted("2mm"), transmitted("8mm") + 0.02);
+}
+
+TEST_F(LaboratoryCli, GoniometersTableIsAMaterialOfAScene) {
+  ASSERT_EQ(run({"goniometer", "m.xml#metal", "--directions", "150",      "--range",
+                 "500,600",    "--step",      "50",           "--paths",  "256",
+                 "-o",         "t.csv",       "--fit",        "--models", "lambert,beckmann,ggx",
+                 "--material", "best.xml",    "--json",       "f.json",   "--plot",
+                 "t.svg"}),
+            0)
+      << said;
+  const nlohmann::json fits = json("f.json")["fits"];
+  EXPECT_EQ(fits[0]["model"], "beckmann");
+  EXPECT_NEAR(fits[0]["parameters"]["alpha"]["value"].get<double>(), 0.3, 0.01);
+  EXPECT_NE(file_content(folder.path / "best.xml").find("roughconductor"), std::string::npos);
+  write(
+      "again.xml",
+      R"(<scene version="3.0.0"><bsdf type="tabulated" id="loop"><string name="filename" value="t.csv"/></bsdf></scene>)");
+  ASSERT_EQ(
+      run({"goniometer", "again.xml#loop", "--plan", "in_plane", "--directions", "11", "--range", "550,550"}),
+      0)
+      << said;
+  // A table alone is fitted, too.
+  ASSERT_EQ(run({"goniometer", "t.csv", "--models", "beckmann,ggx"}), 0) << said;
+  EXPECT_LT(said.find("beckmann"), said.find("ggx")) << said;
+}
+
+TEST_F(LaboratoryCli, ReportsTellReflectances) {
+  ASSERT_EQ(run({"goniometer", "m.xml#grey", "--report", "--range", "550,550", "--json", "r.json"}), 0)
+      << said;
+  EXPECT_NEAR(json("r.json")["report"]["rho_hh"]["value"].get<double>(), 0.3, 0.003);
+  EXPECT_NE(said.find("isotropic"), std::string::npos);
+}
+
+TEST_F(LaboratoryCli, ColoursAndTheirDifferences) {
+  ASSERT_EQ(run({"color", "#ff0000", "lab(50, 20, -10)", "--json", "c.json"}), 0) << said;
+  const nlohmann::json c = json("c.json")["colours"];
+  EXPECT_NEAR(c[0]["lab"][0].get<double>(), 53.24, 0.02);
+  EXPECT_NEAR(c[0]["dominant_wavelength"]["nm"].get<double>(), 611.4, 0.5);
+  EXPECT_NEAR(c[1]["lab"][2].get<double>(), -10, 1e-6);
+  ASSERT_EQ(
+      run({"color", "lab(50, 2.6772, -79.7751)", "--standard", "lab(50, 0, -82.7485)", "--json", "d.json"}),
+      0)
+      << said;
+  // The first pair of Sharma, Wu and Dalal (2005).
+  EXPECT_NEAR(json("d.json")["colours"][0]["difference"]["ciede2000"].get<double>(), 2.0425, 1e-4);
+}
+
+TEST_F(LaboratoryCli, WrongInputIsToldWithItsPlace) {
+  fails({"spectrophotometer", "m.xml#grey", "--geometry", "45:0"}, "there are 45a:0, 45x:0");
+  fails({"spectrophotometer", "m.xml#gray"}, "did you mean");
+  fails({"spectrophotometer", "m.xml"}, "name a material of the scene");
+  fails({"spectrophotometer", "m.xml#flat"}, "--thickness says how thick");
+  fails({"spectrophotometer", "m.xml#grey", "--thickness", "1mm"}, "has no medium inside");
+  fails({"spectrophotometer", "m.xml#grey", "--aperture", "8 apples"}, "--aperture 8 apples");
+  fails({"spectrophotometer", "m.xml#grey", "--geometry", "di:8", "--port", "200mm"},
+        "does not fit a sphere of 150 mm");
+  fails({"spectrophotometer", "m.xml#grey", "--sample-size", "3mm"}, "is smaller than the spot");
+  fails({"spectrophotometer", "m.xml#grey", "-o", "x.doc"}, "the ending says what is written");
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "x.doc"));
+  fails({"goniometer", "m.xml#grey", "--incident", "95"}, "an angle of incidence of 95 degrees");
+  fails({"goniometer", "m.xml#grey", "--models", "gxg"}, "did you mean");
+  fails({"color", "no_colour"}, "is no colour");
+  write("bad.csv", "theta_i,theta_o,550nm\n0,ten,1\n");
+  fails({"goniometer", "bad.csv"}, "bad.csv:2:");
+}
+
+}  // namespace
+}  // namespace aureole::test

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spectrophotometers: traced instruments against closed forms of what they measure.
+#include "aureole/instrument/laboratory/spectrophotometer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "aureole/core/error.h"
+#include "aureole/instrument/laboratory/spectrum_files.h"
+#include "aureole/instrument/paint/paint_files.h"
+#include "aureole/math/warp.h"
+#include "aureole/plugin/registry.h"
+#include "harness/effort.h"
+#include "harness/properties_builder.h"
+
+namespace aureole::testing {
+namespace {
+
+using Method = SpectrophotometerSettings::Method;
+
+/// A sheet that scatters light by angles of a Gaussian distribution, `sigma` degrees along each axis, and loses none.
+class GaussianSheet final : public Bsdf {
+public:
+  explicit GaussianSheet(const Properties& p) : Bsdf(p), sigma_(p.get_float("sigma", 1) * kDegree) {}
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext&) const override {
+    const double sine = double(length(cross(wi, wo))), angle = std::atan2(sine, -double(dot(wi, wo)));
+    if (!(wi.z * wo.z < 0)) return {};
+    const double q = angle / sigma_;
+    const double density =
+        std::exp(-0.5 * q * q) / (2 * M_PI * sigma_ * sigma_) * (angle > 1e-6 ? angle / sine : 1);
+    return {float(density), float(density)};
+  }
+  std::optional<BsdfSample> sample(const Vec3& wi, float, Vec2 u, const BsdfContext& ctx) const override {
+    const double angle = sigma_ * std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * M_PI * double(u.y);
+    const Vec3 wo =
+        Frame::from_normal(-wi).to_world({float(std::sin(angle) * std::cos(phi)),
+                                          float(std::sin(angle) * std::sin(phi)), float(std::cos(angle))});
+    const BsdfEval e = eval_pdf(wi, wo, ctx);
+    if (!(e.pdf[0] > 0)) return {};
+    std::optional<BsdfSample> s;
+    s.emplace();
+    s->wo = wo, s->value = e.value, s->pdf = e.pdf, s->lobe = lobes();
+    return s;
+  }
+  Lobe lobes() const override { return Lobe::glossy | Lobe::transmit; }
+
+private:
+  double sigma_;
+};
+AUREOLE_PLUGIN(GaussianSheet, "bsdf", "test_gaussian_sheet",
+               PluginDoc{"A sheet that blurs what is behind it.",
+                         "",
+                         {{"sigma", "float", "degrees", "1", "standard deviation along each axis"}},
+                         {R"(<bsdf type="test_gaussian_sheet"><float name="sigma" value="2"/></bsdf>)"}});
+
+Bench bench_of(std::int64_t paths, std::vector<double> nm = {550}, std::uint64_t seed = 0,
+               double width = 10) {
+  TraceSettings trace;
+  trace.paths = paths, trace.seed = seed, trace.threads = 2;
+  return {SpectralGrid::over(360, 830), 1, {std::move(nm), width}, trace};
+}
+Specimen specimen_of(const std::string& element) { return {.name = "sample", .element = element}; }
+Specimen lambertian(double reflectance) { return lambertian_standard(reflectance); }
+Specimen coated() {
+  return specimen_of(
+      R"(<bsdf type="plastic"><float name="diffuse_reflectance" value="0.5"/><boolean name="nonlinear" value="true"/>
+      <float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>)");
+}
+SpectrophotometerSettings at(const std::string& geometry, bool transmission = false) {
+  SpectrophotometerSettings s;
+  s.geometry = measuring_geometry(geometry, transmission);
+  return s;
+}
+/// The first value, within 4.5 standard errors and `tolerance` of what is expected, with an error small enough to mean something.
+void expect_reading(const MeasuredSpectrum& m, double expected, double tolerance, const std::string& what) {
+  EXPECT_NEAR(m.values[0], expected, 4.5 * m.error(0) + tolerance * expected)
+      << what << ", error " << m.error(0);
+  EXPECT_LT(m.error(0), 0.012 * expected + 1e-4) << what;
+}
+std::string message_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Spectrophotometer, LambertianSampleReadsItsReflectanceInEveryGeometry) {
+  for (const MeasuringGeometry& g : measuring_geometries(false)) {
+    SpectrophotometerSettings s = at(g.name);
+    // One port, of which sample and standard take turns, reads what the sphere makes of it: see the test of substitution.
+    if (g.name == "d:d") s.standard = 0.3;
+    expect_reading(
+        measure_spectrum(bench_of(g.name.starts_with("8:") ? 1 << 19 : 1 << 17), lambertian(0.3), s), 0.3,
+        5e-3, g.name);
+    if (!g.has_sphere()) continue;
+    s.by_theory = true;
+    expect_reading(measure_spectrum(bench_of(1 << 13), lambertian(0.3), s), 0.3, 1e-4, g.name + " by theory");
+  }
+}
+
+// Saunderson's closed forms for a Lambertian base of 0.5 under an index of 1.5, with Fresnel's transmittances of the directions
+// (own computation in double precision).
+TEST(Spectrophotometer, CoatedLambertianReadsSaundersonsValues) {
+  expect_reading(measure_spectrum(bench_of(1 << 14), coated(), at("45a:0")), 0.288697, 2e-3, "45a:0");
+  expect_reading(measure_spectrum(bench_of(1 << 14), coated(), at("0:45x")), 0.288697, 2e-3, "0:45x");
+  for (const auto& [name, expected] :
+       {std::pair("di:8", 0.316075), {"de:8", 0.276069}, {"8:di", 0.316075}, {"8:de", 0.276069}}) {
+    expect_reading(measure_spectrum(bench_of(1 << 18), coated(), at(name)), expected, 8e-3, name);
+    SpectrophotometerSettings s = at(name);
+    s.by_theory = true;
+    expect_reading(measure_spectrum(bench_of(1 << 16), coated(), s), expected, 1.5e-3,
+                   std::string(name) + " by theory");
+  }
+}
+
+TEST(Spectrophotometer, AbsoluteMethodNeedsNoStandard) {
+  for (const char* name : {"45x:0", "di:8"}) {
+    SpectrophotometerSettings s = at(name);
+    s.method = Method::absolute, s.standard = 0.5;
+    expect_reading(measure_spectrum(bench_of(1 << 17), lambertian(0.3), s), 0.3, 2e-3, name);
+  }
+  EXPECT_NE(message_of([] {
+              SpectrophotometerSettings s = at("8:di");
+              s.method = Method::absolute;
+              measure_spectrum(bench_of(1 << 10), lambertian(0.3), s);
+            }).find("8:di has no absolute method"),
+            std::string::npos);
+}
+
+TEST(Spectrophotometer, SubstitutionMakesADarkSampleDarker) {
+  // 0.2 (1 - 0.97 0.95 - 0.02 0.99)/(1 - 0.97 0.95 - 0.02 0.2)
+  const IntegratingSphere sphere{.wall = 0.97, .ports = 0.03, .sample_port = 0.02};
+  EXPECT_NEAR(sphere.by_substitution(0.2, 0.2, 0.99), 0.15758, 5e-6);
+  // The traced sphere errs as much.
+  SpectrophotometerSettings s = at("di:8");
+  s.method = Method::substitution, s.port_m = 40e-3;
+  const MeasuredSpectrum traced = measure_spectrum(bench_of(1 << 18), lambertian(0.2), s);
+  s.by_theory = true;
+  const MeasuredSpectrum theory = measure_spectrum(bench_of(1 << 14), lambertian(0.2), s);
+  EXPECT_LT(theory.values[0], 0.19);
+  EXPECT_NEAR(traced.values[0], theory.values[0], 4.5 * traced.error(0) + 4e-3 * theory.values[0]);
+}
+
+TEST(Spectrophotometer, PortFractionsAreThoseOfCaps) {
+  // A cap of half-angle a covers (1 - cos a)/2.
+  for (const double a : {0.01, 0.3, 1.2})
+    EXPECT_NEAR(port_fraction(2 * std::sin(a), 2), 0.5 * (1 - std::cos(a)), 1e-14);
+}
+
+TEST(Spectrophotometer, HazeOfAGaussianSheetIsTheTailOfItsDistribution) {
+  Specimen sheet{.name = "sheet"};
+  sheet.bsdf = build<Bsdf>("<bsdf type=\"test_gaussian_sheet\"/>");
+  SpectrophotometerSettings s = at("0:de", true);
+  s.by_theory = true;
+  // Narrow cones of lamp and field, which would blur the edge at 2.5 degrees.
+  s.lamp_angle = 0.05, s.lit_m = 2e-4, s.viewed_m = 2e-4, s.distance_m = 1;
+  const Haze h = measure_haze(bench_of(1 << 18), sheet, s, 2.5, {1});
+  EXPECT_NEAR(h.total, 1, 2e-3);
+  EXPECT_NEAR(h.haze, std::exp(-0.5 * 2.5 * 2.5), 4.5 * h.haze_error + 0.02 * 0.04394);
+  EXPECT_LT(h.haze_error, 0.02 * 0.04394);
+  // The traced sphere with its port behind the sample.
+  s.by_theory = false;
+  const Haze traced = measure_haze(bench_of(1 << 17), sheet, s, 2.5, {1});
+  EXPECT_NEAR(traced.haze, 0.04394, 4.5 * traced.haze_error + 0.05 * 0.04394);
+}
+
+/// Fresnel's reflectance of unpolarised light, written anew.
+double fresnel(double angle, double n) {
+  const double t = std::asin(std::sin(angle) / n);
+  const double s = std::sin(angle - t) / std::sin(angle + t), p = std::tan(angle - t) / std::tan(angle + t);
+  return 0.5 * (s * s + p * p);
+}
+
+TEST(Spectrophotometer, GlossOfGlassIsTheRatioOfFresnelsReflectances) {
+  for (const double angle : {20.0, 60.0, 85.0}) {
+    const double a = angle * M_PI / 180;
+    for (const double n : {1.567, 1.4, 1.7}) {
+      const Ratio g = measure_gloss(bench_of(1 << 14), black_glass(n), angle, at("di:8"), {1});
+      EXPECT_NEAR(g.value, 100 * fresnel(a, n) / fresnel(a, 1.567), 0.6) << angle << " degrees, index " << n;
+    }
+    // A rough surface spreads light beyond the receptor.
+    const Ratio matt =
+        measure_gloss(bench_of(1 << 14),
+                      specimen_of(R"(<bsdf type="roughplastic"><float name="diffuse_reflectance" value="0"/>
+        <float name="alpha" value="0.3"/><float name="int_ior" value="1.567"/><float name="ext_ior" value="1"/></bsdf>)"),
+                      angle, at("di:8"), {1});
+    EXPECT_LT(matt.value, 60) << angle;
+    EXPECT_GT(matt.value, 0) << angle;
+  }
+  EXPECT_NE(message_of([] {
+              measure_gloss(bench_of(1 << 10), black_glass(1.5), 45, at("di:8"), {1});
+            }).find("ISO 2813 has 20, 60 and 85"),
+            std::string::npos);
+}
+
+TEST(Spectrophotometer, TransmittancesOfClearAndScatteringSheets) {
+  // A mask lets one part pass unchanged; the rest is black.
+  Specimen grey{.name = "grey"};
+  grey.bsdf = build<Bsdf>(
+      R"(<bsdf type="mask"><float name="opacity" value="0.6"/><bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf></bsdf>)");
+  for (const MeasuringGeometry& g : measuring_geometries(true)) {
+    const bool excludes = g.name.find("de") != std::string::npos;
+    if (excludes) continue;
+    SpectrophotometerSettings s = at(g.name, true);
+    const MeasuredSpectrum m = measure_spectrum(bench_of(1 << 17), grey, s);
+    EXPECT_NEAR(m.values[0], 0.4, 4.5 * m.error(0) + 0.01) << g.name;
+    EXPECT_LT(m.error(0), 0.02) << g.name;
+  }
+}
+
+TEST(Spectrophotometer, TranslucentSamplesLoseLightAtTheEdgeOfSmallPorts) {
+  // A slab of scattering medium with the index of air: what enters through the port leaves beside it.
+  Specimen slab{.name = "slab"};
+  slab.bsdf = build<Bsdf>("<bsdf type=\"null\"/>");
+  slab.medium = build<Medium>(
+      R"(<medium type="homogeneous"><float name="albedo" value="0.999"/><float name="sigma_t" value="1000"/></medium>)");
+  slab.thickness_m = 20e-3;
+  double before = 0;
+  for (const double port : {6e-3, 15e-3, 40e-3}) {
+    SpectrophotometerSettings s = at("de:8");
+    s.by_theory = true, s.port_m = port, s.viewed_m = 0.6 * port, s.lit_m = port, s.sample_m = 120e-3;
+    const MeasuredSpectrum m = measure_spectrum(bench_of(1 << 15), slab, s);
+    EXPECT_GT(m.values[0], before + 4 * m.error(0)) << port;
+    before = m.values[0];
+  }
+  EXPECT_GT(before, 0.6);
+}
+
+TEST(Spectrophotometer, BandwidthIsCorrectedForParabolas) {
+  const Specimen parabola = specimen_of(
+      R"(<bsdf type="diffuse"><spectrum name="reflectance" value="450:0.7, 470:0.52, 490:0.38, 510:0.28, 530:0.22, 550:0.2, 570:0.22, 590:0.28, 610:0.38, 630:0.52, 650:0.7"/></bsdf>)");
+  // Steps of 20 nm are the scene's own parabola, R'' = 1e-4, so that bands of 20 nm read 20^2/12 R'' too much at its nodes.
+  SpectrophotometerSettings s = at("45x:0");
+  const Bench bench = bench_of(1 << 16, {490, 510, 530, 550, 570, 590, 610}, 0, 20);
+  const MeasuredSpectrum raw = measure_spectrum(bench, parabola, s);
+  s.correct_bandwidth = true;
+  const MeasuredSpectrum corrected = measure_spectrum(bench, parabola, s);
+  // A triangle over a spectrum that is linear between the nodes: the mean of both slopes adds 20/3 times 0.001.
+  EXPECT_NEAR(raw.values[3], 0.2 + 20.0 / 3 * 0.001, 6e-4);
+  EXPECT_NEAR(corrected.values[3], raw.values[3] - 20 * 20 / 12.0 * 1e-4, 4e-4);
+}
+
+TEST(Spectrophotometer, StandardErrorsAreNeitherTooSmallNorTooLarge) {
+  double squares = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SpectrophotometerSettings s = at("di:8");
+    s.noise = 0.002;
+    const MeasuredSpectrum m = measure_spectrum(bench_of(1 << 14, {450, 550, 650}, seed), lambertian(0.3), s);
+    for (std::size_t i = 0; i < 3; ++i, ++count) squares += std::pow((m.values[i] - 0.3) / m.error(i), 2);
+  }
+  // Of chi squared with 36 degrees of freedom, of which values of one seed share some noise.
+  EXPECT_GT(squares / count, 0.4);
+  EXPECT_LT(squares / count, 2.0);
+}
+
+TEST(Spectrophotometer, FilesAreReadByThePigmentCommands) {
+  pigment::SampleTable table{{400, 410, 420}, {}};
+  pigment::Sample& sample = table.samples.emplace_back();
+  sample.name = "ochre", sample.values = {0.125, 0.25, 0.375};
+  for (const auto& [name, geometry, specular] :
+       {std::tuple("x.csv", "", ""), {"x.cxf", "45_0", "excluded"}, {"x.cgats", "45_0", "excluded"}}) {
+    const std::string path = ::testing::TempDir() + name;
+    std::ofstream(path) << spectrum_file_content(path, table, "45a:0");
+    const pigment::SampleTable read = read_sample_file(path, pigment::Recipes::optional);
+    EXPECT_EQ(read.nm, table.nm) << name;
+    ASSERT_EQ(read.samples.size(), 1u) << name;
+    EXPECT_EQ(read.samples[0].values, sample.values) << name;
+    EXPECT_EQ(read.instrument.geometry, geometry) << name;
+    EXPECT_EQ(read.instrument.specular, specular) << name;
+  }
+  for (const auto& [geometry, specular] : {std::pair("di:8", "included"), {"8:de", "excluded"}}) {
+    const std::string path = ::testing::TempDir() + "sphere.cxf";
+    std::ofstream(path) << spectrum_file_content(path, table, geometry);
+    const pigment::SampleTable read = read_sample_file(path, pigment::Recipes::optional);
+    EXPECT_EQ(read.instrument.geometry, "d8") << geometry;
+    EXPECT_EQ(read.instrument.specular, specular) << geometry;
+  }
+  EXPECT_NE(message_of([&] { spectrum_file_content("x.doc", table, "45a:0"); }).find("the ending says"),
+            std::string::npos);
+}
+
+TEST(Spectrophotometer, BadSizesAndNamesAreErrorsThatSayWhatIsExpected) {
+  EXPECT_NE(message_of([] { measuring_geometry("45:90", false); }).find("there are 45a:0, 45x:0"),
+            std::string::npos);
+  EXPECT_NE(message_of([] { measuring_geometry("0:0", false); }).find("with --transmission it is one"),
+            std::string::npos);
+  const auto fails = [](auto change, const std::string& expected) {
+    SpectrophotometerSettings s = at("di:8");
+    change(s);
+    const std::string message = message_of([&] { measure_spectrum(bench_of(1 << 8), lambertian(0.5), s); });
+    EXPECT_NE(message.find(expected), std::string::npos) << message;
+  };
+  fails([](auto& s) { s.port_m = 0.2; }, "a port of 200 mm does not fit a sphere of 150 mm");
+  fails([](auto& s) { s.sample_m = 10e-3; }, "the sample of 10 mm is smaller than the spot of 25 mm");
+  fails([](auto& s) { s.viewed_m = 30e-3; }, "larger than the port");
+  fails([](auto& s) { s.wall = 1; }, "a wall's reflectance of 1");
+  fails([](auto& s) { s.wall = NAN; }, "a wall's reflectance of nan");
+  fails([](auto& s) { s.geometry = measuring_geometry("45a:0", false), s.by_theory = true; },
+        "has no sphere");
+  fails([](auto& s) { s.geometry = measuring_geometry("de:8", false), s.detector_angle = 6.5; }, "overlap");
+  EXPECT_NE(message_of([] { bench_of(1 << 8, {300}); }).find("outside of the scene's wavelengths"),
+            std::string::npos);
+  EXPECT_NE(message_of([] { bench_of(1 << 8, {500, 400}); }).find("must increase"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace aureole::testing
