@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "aureole/core/error.h"
-#include "aureole/optics/detector/detector.h"
+#include "aureole/optics/detector/photodetector.h"
 #include "aureole/parameter/lens/lens_file.h"
 #include "command.h"
 #include "messages.h"

@@ -438,7 +438,7 @@ class Streams:
 @functools.lru_cache(maxsize=8)
 def _theory(streams: Streams, varies_g: bool) -> Any:
     """The tabulated theory, some 0.5 s; with mean cosines that vary several times as much."""
-    return _aureole.pigment_streams_theory(*astuple(streams), varies_g)
+    return _aureole.pigment_streams_theory(streams.index, streams.g, streams.geometry, streams.specular, varies_g)
 
 
 @dataclass(frozen=True)

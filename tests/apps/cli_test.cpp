@@ -312,7 +312,8 @@ TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {
 
 TEST_F(Cli, UnknownCommandsNameTheNearestOne) {
   refused_arguments({"rendr", "scene.xml"}, "unknown command \"rendr\"; did you mean \"render\"?");
-  refused_arguments({"xyzzyxyzzy"}, "there are: bake, cluster, compare, convert, convert-bsdf, denoise, docs,");
+  refused_arguments({"xyzzyxyzzy"},
+                    "there are: bake, cluster, compare, convert, convert-bsdf, denoise, docs,");
 }
 
 TEST_F(Cli, OptionsOfSeveralValuesLeaveArgumentsAlone) {

@@ -133,6 +133,10 @@ TEST(LaboratoryGallery, EverySceneLoads) {
             (std::vector<std::string>{"sphere", "goniometer", "instruments", "edge_loss", "lobes"}));
 }
 
+TEST(VolumesGallery, EverySceneLoads) {
+  EXPECT_EQ(load_figures("volumes"), (std::vector<std::string>{"part", "orbital", "head", "forms", "edges"}));
+}
+
 TEST(DiffractionGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("diffraction"),
             (std::vector<std::string>{"edge_functions", "edge_amplitudes", "edge_approximation", "wedge",

@@ -932,7 +932,7 @@ TEST_F(PigmentCli, WhatAJointFitNotes) {
   EXPECT_NE(said.find("--g-error: has no effect on two fluxes"), std::string::npos) << said;
   ASSERT_EQ(run("fit t.csv --joint --specular included --white blanc"), 0) << said;
   for (const char* part :
-       {"interface: none", "two fluxes:", "(in the palette: match, hide and the BSDF use two fluxes)",
+       {"interface: none", "two fluxes:", "(in the palette; --hold-out tells which predicts better)",
         "--specular: has no effect", "--white: no paint of t.csv is called \"blanc\""})
     EXPECT_NE(said.find(part), std::string::npos) << part << "\n" << said;
   ASSERT_EQ(run("mix p.csv white --substrate 0.5"), 0) << said;
@@ -984,7 +984,8 @@ TEST_F(PigmentCli, AStreamsPaletteSaysSo) {
   write(
       "target.csv", "sample,unit,400,550,700\nt,fraction" + [&] {
         std::string values;
-        for (const auto& v : json("m.json")["reflectance"]) values += "," + std::to_string(v.get<double>());
+        const auto mixed = json("m.json");
+        for (const auto& v : mixed["reflectance"]) values += "," + std::to_string(v.get<double>());
         return values;
       }() + "\n");
   ASSERT_EQ(run("match streams.csv target.csv#t --thickness 1 --substrate 0.8 -n 2 --json r.json"), 0)

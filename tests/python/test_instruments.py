@@ -24,7 +24,8 @@ PLANE = """<scene version="3.0.0">
 FUNCTIONS = {"compare": "compare", "convert": "convert", "denoise": "denoise", "droplet-size": "droplet_size", "info": "info", "layer": "layer", "medium": "medium",
              "microstructure": "microstructure", "powermap": "powermap", "render": "render", "rings": "rings"}
 PACKAGES = {"pigment": "aureole.pigment", "cluster": "aureole.cluster"}
-COMMAND_LINE_ONLY = {"bake", "convert-bsdf", "docs", "gallery", "goniophotometer", "list", "merge", "photometry"}
+COMMAND_LINE_ONLY = {"bake", "color", "convert-bsdf", "docs", "expose", "gallery", "goniometer", "goniophotometer", "illumination", "lens",
+                     "lightfield", "list", "merge", "photometry", "spectrophotometer", "spectroradiometer"}
 
 
 @pytest.fixture

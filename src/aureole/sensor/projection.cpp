@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "aureole/math/warp.h"
-#include "aureole/optics/detector/detector.h"
+#include "aureole/optics/detector/photodetector.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {

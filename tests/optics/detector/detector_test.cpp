@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The noise of an image sensor against the equations of EMVA 1288, and transfer functions against closed forms.
-#include "aureole/optics/detector/detector.h"
+#include "aureole/optics/detector/photodetector.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "aureole/core/image.h"
 #include "aureole/core/raw_image.h"
-#include "aureole/optics/detector/detector.h"
+#include "aureole/optics/detector/photodetector.h"
 
 namespace aureole {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/detector/detector.h"
+#include "aureole/optics/detector/photodetector.h"
 
 #include <algorithm>
 #include <array>
