@@ -20,9 +20,9 @@
 #include "aureole/instrument/laboratory/brdf_fit.h"
 #include "aureole/instrument/laboratory/goniometer.h"
 #include "aureole/instrument/report/svg_plot.h"
+#include "aureole/instrument/wavelength_steps.h"
 #include "command.h"
 #include "messages.h"
-#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {

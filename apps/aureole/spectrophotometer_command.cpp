@@ -19,9 +19,9 @@
 #include "aureole/instrument/laboratory/spectrum_files.h"
 #include "aureole/instrument/paint/colour_figures.h"
 #include "aureole/instrument/report/svg_plot.h"
+#include "aureole/instrument/wavelength_steps.h"
 #include "command.h"
 #include "messages.h"
-#include "wavelength_steps.h"
 
 namespace aureole {
 namespace {
