@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The noise of an image sensor against the equations of EMVA 1288, and transfer functions against closed forms.
-#include "aureole/optics/detector/photodetector.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 #include <stdexcept>
 #include <vector>
+
+#include "aureole/optics/detector/photodetector.h"
 
 namespace aureole::optics {
 namespace {
