@@ -313,7 +313,7 @@ TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {
 TEST_F(Cli, UnknownCommandsNameTheNearestOne) {
   refused_arguments({"rendr", "scene.xml"}, "unknown command \"rendr\"; did you mean \"render\"?");
   refused_arguments({"xyzzyxyzzy"},
-                    "there are: bake, cluster, compare, convert, convert-bsdf, denoise, docs,");
+                    "there are: bake, cluster, color, compare, convert, convert-bsdf, denoise,");
 }
 
 TEST_F(Cli, OptionsOfSeveralValuesLeaveArgumentsAlone) {
