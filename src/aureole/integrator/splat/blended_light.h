@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "aureole/core/image.h"
+#include "aureole/math/vec.h"
 #include "aureole/medium/classified/transfer_function.h"
 #include "aureole/plugin/number_list.h"
+#include "aureole/plugin/properties.h"
 #include "aureole/spectrum/spectrum.h"
 
 namespace aureole {
