@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <optional>
 
@@ -16,14 +14,12 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "command.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
 
 namespace aureole {
 namespace {
-
-std::atomic<bool> stop_requested_of_expose{false};
-extern "C" void stop_expose(int) { stop_requested_of_expose = true; }
 
 struct ExposeArguments {
   std::string target, camera, mosaic, aperture, efficiency, electrons;
@@ -72,27 +68,15 @@ struct ExposedPicture {
 };
 
 ExposedPicture picture_of_scene(const ExposeArguments& a) {
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  const LoadedScene loaded = load_scene(a.target, load);
-  if (!a.quiet)
-    for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
   const Film& film = loaded.scene->film();
   const std::vector<std::string> names = film.channel_names();
   const std::string meanings = channels_attribute(names, film.channel_meanings());
   // The channels of the film are asked for before the picture is rendered.
   spectral_picture({.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())},
                    meanings, a.target);
-  RenderOptions options;
-  if (a.spp > 0) options.end = a.spp;
-  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
-  options.threads = a.threads;
-  RenderJob job(loaded, options);
-  std::signal(SIGINT, stop_expose);
-  if (job.run(stop_requested_of_expose) == RenderJob::Outcome::interrupted)
-    throw Error("interrupted: nothing is written");
-  if (job.state().invalid_samples > 0)
-    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
+  RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
+  run_to_end(job);
   return {spectral_picture(job.state().picture(), meanings, a.target),
           loaded.scene->sensor().sensor->exposure().duration()};
 }

@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,19 +14,16 @@
 #include "aureole/bsdf/measured/scattered_table.h"
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
-#include "aureole/core/units.h"
 #include "aureole/instrument/laboratory/brdf_fit.h"
 #include "aureole/instrument/laboratory/goniometer.h"
 #include "aureole/instrument/report/svg_plot.h"
-#include "aureole/instrument/wavelength_steps.h"
 #include "command.h"
+#include "interruption.h"
+#include "laboratory_options.h"
 #include "messages.h"
 
 namespace aureole {
 namespace {
-
-std::atomic<bool> stop_requested_of_goniometer{false};
-extern "C" void stop_goniometer(int) { stop_requested_of_goniometer = true; }
 
 struct GoniometerOptions {
   std::string target, plan = "hemispherical", thickness, aperture, lit, sample, output, material, json, plot;
@@ -40,15 +35,6 @@ struct GoniometerOptions {
   GoniometerSettings settings;
   TraceSettings trace;
 };
-
-void set_size(const char* option, const std::string& text, double& metres) {
-  if (text.empty()) return;
-  try {
-    metres = parse_length_m(text);
-  } catch (const Error& e) {
-    throw Error(fmt::format("{} {}: {}", option, text, e.message()));
-  }
-}
 
 /// Readings of a table of text, for fits.
 GonioTable table_of_file(const std::string& file) {
@@ -137,11 +123,11 @@ int goniometer(GoniometerOptions o) {
   if (!o.output.empty() && std::filesystem::path(o.output).extension() != ".csv")
     throw Error({o.output, 0, 0}, "the table is a .csv file");
   if (!o.material.empty() || !o.models.empty()) o.fit = true;
-  set_size("--aperture", o.aperture, s.viewed_m);
+  set_length("--aperture", o.aperture, s.viewed_m);
   if (!o.aperture.empty()) s.lit_m = 2 * s.viewed_m;
-  set_size("--lit", o.lit, s.lit_m), set_size("--sample-size", o.sample, s.sample_m);
+  set_length("--lit", o.lit, s.lit_m), set_length("--sample-size", o.sample, s.sample_m);
   double thickness = 0;
-  set_size("--thickness", o.thickness, thickness);
+  set_length("--thickness", o.thickness, thickness);
   o.directions.kind = o.plan == "in_plane"   ? GonioPlan::Kind::in_plane
                       : o.plan == "adaptive" ? GonioPlan::Kind::adaptive
                                              : GonioPlan::Kind::hemispherical;
@@ -159,25 +145,15 @@ int goniometer(GoniometerOptions o) {
       throw Error(
           {o.target, 0, 0},
           "name a material of the scene as scene.xml#id, the id of a BSDF or a shape, or a table (.csv) to fit");
-    if (!(o.range[0] > 0 && o.range[1] >= o.range[0]))
-      throw Error("--range: two wavelengths in nm are expected, as in 400,700");
+    check_range(o.range);
     LoadOptions load;
     load.defines = split_defines(o.defines);
     const LoadedSpecimen loaded =
         load_specimen(o.target.substr(0, mark), o.target.substr(mark + 1), load, thickness);
     if (!o.is_quiet)
       for (const std::string& note : loaded.notes) tell("note: {}\n", note);
-    Bands bands;
-    if (o.range[1] > o.range[0]) {
-      SpectralGrid range = loaded.grid;
-      range.min_nm = o.range[0], range.max_nm = o.range[1];
-      bands.nm = wavelength_steps(range, o.step, 20);
-    } else {
-      bands.nm = {o.range[0]};
-    }
-    bands.width_nm = o.bandwidth > 0 ? o.bandwidth : bands.nm.size() > 1 ? bands.nm[1] - bands.nm[0] : 10;
-    o.trace.stop = &stop_requested_of_goniometer;
-    std::signal(SIGINT, stop_goniometer);
+    const Bands bands = bands_over(o.range, loaded.grid, o.step, 20, o.bandwidth);
+    o.trace.stop = &stop_on_interrupt();
     const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
     if (o.directions.transmits && !loaded.specimen.is_translucent())
       tell("note: --transmission: \"{}\" lets no light pass\n", loaded.specimen.name);

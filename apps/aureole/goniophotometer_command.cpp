@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 
 #include "aureole/core/error.h"
@@ -17,13 +15,11 @@
 #include "aureole/loading/document.h"
 #include "aureole/render/job.h"
 #include "command.h"
+#include "interruption.h"
 #include "messages.h"
 
 namespace aureole {
 namespace {
-
-std::atomic<bool> stop_requested_of_goniophotometer{false};
-extern "C" void stop_goniophotometer(int) { stop_requested_of_goniophotometer = true; }
 
 struct GonioArguments {
   std::string target, integrator, symmetry = "none", name, maker, plot;
@@ -119,8 +115,7 @@ Luminaire measure(const GonioArguments& a) {
   options.threads = a.threads;
   if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
   RenderJob job(loaded, options);
-  std::signal(SIGINT, stop_goniophotometer);
-  if (job.run(stop_requested_of_goniophotometer) == RenderJob::Outcome::interrupted)
+  if (job.run(stop_on_interrupt()) == RenderJob::Outcome::interrupted)
     throw Error("interrupted: no file is written");
   if (job.state().invalid_samples > 0)
     tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);

@@ -2,9 +2,7 @@
 // aureole illumination: a scene by local illumination, light that was scattered once, beside all of its light.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 
 #include "aureole/core/error.h"
@@ -15,13 +13,11 @@
 #include "aureole/render/output.h"
 #include "aureole/render/tone.h"
 #include "command.h"
+#include "interruption.h"
 #include "messages.h"
 
 namespace aureole {
 namespace {
-
-std::atomic<bool> stop_requested_of_illumination{false};
-extern "C" void stop_illumination(int) { stop_requested_of_illumination = true; }
 
 struct IlluminationArguments {
   std::string scene, output, map;
@@ -108,7 +104,7 @@ Illumination illuminate(const IlluminationArguments& a, bool is_local, std::vect
     options.threads = a.threads;
     options.adaptive = AdaptiveTarget::none;
     RenderJob job(loaded, options);
-    if (job.run(stop_requested_of_illumination) == RenderJob::Outcome::interrupted)
+    if (job.run(stop_on_interrupt()) == RenderJob::Outcome::interrupted)
       throw Error("interrupted: nothing is written");
     const Image picture = job.state().picture(), colors = job.state().rgb_picture();
     const PhotometricMap map = map_of(picture, meanings, colors, is_absolute, a.scene);
@@ -154,7 +150,7 @@ int illumination(const IlluminationArguments& a) {
     if (std::filesystem::path(file).extension() != ".png") throw Error(file + ": the picture is a .png file");
     require_writable(file);
   }
-  std::signal(SIGINT, stop_illumination);
+  stop_on_interrupt();  // also while scenes are loaded
   const Illumination local = illuminate(a, true, regions), global = illuminate(a, false, regions);
   if (!a.output.empty()) write_png(a.output, display_picture(side_by_side(local.colors, global.colors)));
   if (!a.map.empty()) {

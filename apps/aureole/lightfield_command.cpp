@@ -2,9 +2,7 @@
 // aureole lightfield: pictures from a light field, refocused and from other places.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 
 #include "aureole/core/error.h"
@@ -14,6 +12,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "command.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
 
@@ -21,9 +20,6 @@ namespace aureole {
 namespace {
 
 constexpr const char* kAxesAttribute = "aureole:lightfield";
-
-std::atomic<bool> stop_requested_of_lightfield{false};
-extern "C" void stop_lightfield(int) { stop_requested_of_lightfield = true; }
 
 struct LightFieldArguments {
   std::string target, output, field;
@@ -36,11 +32,7 @@ struct LightFieldArguments {
 };
 
 LightField field_of_scene(const LightFieldArguments& a) {
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  const LoadedScene loaded = load_scene(a.target, load);
-  if (!a.quiet)
-    for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
   const Properties& p = loaded.scene->sensor().properties();
   if (p.type() != "lightfield")
     throw Error(p.where(),
@@ -50,16 +42,8 @@ LightField field_of_scene(const LightFieldArguments& a) {
   f.aperture_width = p.get_float("aperture_width", 1),
   f.aperture_height = p.get_float("aperture_height", f.aperture_width);
   f.plane_distance = p.get_float("plane_distance", 1), f.field_width = p.get_float("field_width", 1);
-  RenderOptions options;
-  if (a.spp > 0) options.end = a.spp;
-  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
-  options.threads = a.threads;
-  RenderJob job(loaded, options);
-  std::signal(SIGINT, stop_lightfield);
-  if (job.run(stop_requested_of_lightfield) == RenderJob::Outcome::interrupted)
-    throw Error("interrupted: nothing is written");
-  if (job.state().invalid_samples > 0)
-    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
+  RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
+  run_to_end(job);
   f.mosaic = job.state().picture();
   return f;
 }

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 
 #include "aureole/core/error.h"
@@ -15,14 +13,12 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "command.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
 
 namespace aureole {
 namespace {
-
-std::atomic<bool> stop_requested_of_photometry{false};
-extern "C" void stop_photometry(int) { stop_requested_of_photometry = true; }
 
 struct PhotometryArguments {
   std::string target, output, scene, csv;
@@ -45,26 +41,14 @@ struct MapOfScene {
 };
 
 MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file) {
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  const LoadedScene loaded = load_scene(a.target, load);
-  if (!a.quiet)
-    for (const auto& note : loaded.notes) tell("note: {}\n", note);
+  const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
   const std::vector<std::string> names = loaded.scene->film().channel_names();
   const std::string meanings = channels_attribute(names, loaded.scene->film().channel_meanings());
   // The unit is checked before the picture is rendered.
   photometric_map({.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())},
                   meanings, a.target);
-  RenderOptions options;
-  if (a.spp > 0) options.end = a.spp;
-  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
-  options.threads = a.threads;
-  RenderJob job(loaded, options);
-  std::signal(SIGINT, stop_photometry);
-  if (job.run(stop_requested_of_photometry) == RenderJob::Outcome::interrupted)
-    throw Error("interrupted: nothing is written");
-  if (job.state().invalid_samples > 0)
-    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
+  RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
+  run_to_end(job);
   const Image picture = job.state().picture();
   write_picture(job.state(), picture, picture_file);
   return {photometric_map(picture, meanings, a.target), loaded.scene};

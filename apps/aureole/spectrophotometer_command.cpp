@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,20 +12,17 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
-#include "aureole/core/units.h"
 #include "aureole/instrument/laboratory/spectrophotometer.h"
 #include "aureole/instrument/laboratory/spectrum_files.h"
 #include "aureole/instrument/paint/colour_figures.h"
 #include "aureole/instrument/report/svg_plot.h"
-#include "aureole/instrument/wavelength_steps.h"
 #include "command.h"
+#include "interruption.h"
+#include "laboratory_options.h"
 #include "messages.h"
 
 namespace aureole {
 namespace {
-
-std::atomic<bool> stop_requested_of_spectrophotometer{false};
-extern "C" void stop_spectrophotometer(int) { stop_requested_of_spectrophotometer = true; }
 
 struct SpectrophotometerOptions {
   std::string target, geometry = "45a:0", method, thickness, aperture, lit, sample, sphere, port, json, plot,
@@ -39,16 +34,6 @@ struct SpectrophotometerOptions {
   SpectrophotometerSettings settings;
   TraceSettings trace;
 };
-
-/// Reads a length with a unit; empty text leaves the value.
-void set_length(const char* option, const std::string& text, double& metres) {
-  if (text.empty()) return;
-  try {
-    metres = parse_length_m(text);
-  } catch (const Error& e) {
-    throw Error(fmt::format("{} {}: {}", option, text, e.message()));
-  }
-}
 
 void print_spectrum(const SpectrophotometerOptions& o, const MeasuredSpectrum& m) {
   fmt::print("{}: {} at {}{}\n", o.target, o.transmission ? "transmittance" : "reflectance factor",
@@ -111,8 +96,7 @@ int spectrophotometer(SpectrophotometerOptions o) {
   double thickness = 0;
   set_length("--thickness", o.thickness, thickness);
   if (!o.thickness.empty() && !(thickness > 0)) throw Error("--thickness: must be positive");
-  if (!(o.range[0] > 0 && o.range[1] >= o.range[0]))
-    throw Error("--range: two wavelengths in nm are expected, as in 400,700");
+  check_range(o.range);
   const std::size_t mark = o.target.rfind('#');
   if (mark == o.target.npos)
     throw Error({o.target, 0, 0},
@@ -126,17 +110,8 @@ int spectrophotometer(SpectrophotometerOptions o) {
   if (!o.monochromator.empty())
     tell(
         "note: --monochromator: no material here fluoresces; before and after the sample it measures alike\n");
-  Bands bands;
-  if (o.range[1] > o.range[0]) {
-    SpectralGrid range = loaded.grid;
-    range.min_nm = o.range[0], range.max_nm = o.range[1];
-    bands.nm = wavelength_steps(range, o.step, 10);
-  } else {
-    bands.nm = {o.range[0]};
-  }
-  bands.width_nm = o.bandwidth > 0 ? o.bandwidth : bands.nm.size() > 1 ? bands.nm[1] - bands.nm[0] : 10;
-  o.trace.stop = &stop_requested_of_spectrophotometer;
-  std::signal(SIGINT, stop_spectrophotometer);
+  const Bands bands = bands_over(o.range, loaded.grid, o.step, 10, o.bandwidth);
+  o.trace.stop = &stop_on_interrupt();
   const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
   nlohmann::json out;
   if (o.haze > 0 || !o.gloss.empty()) {

@@ -9,9 +9,9 @@ import importlib
 import os
 import sys
 import time
-import warnings
 from typing import Any, Callable, Iterator, Optional, Sequence
 
+from ._command_faces import defines_of, exit_code_of
 from ._errors import Error
 
 
@@ -40,15 +40,7 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     command.add_argument("--restart", action="store_true", help="discard the checkpoint of an earlier render")
     command.add_argument("-q", "--quiet", action="store_true", help="no progress line, no notes")
     arguments = parser.parse_args(words)
-    warnings.showwarning = lambda message, *_, **__: print(f"note: {message}", file=sys.stderr)
-    try:
-        return _render(arguments)
-    except (Error, OSError) as e:
-        print(f"error: {e}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted; the same command goes on from the checkpoint", file=sys.stderr)
-        return 130
+    return exit_code_of(_render, arguments, "interrupted; the same command goes on from the checkpoint")
 
 
 def _render(a: Any) -> int:
@@ -61,12 +53,7 @@ def _render(a: Any) -> int:
     for name, number in (("--local", a.local), ("--wait", a.wait)):
         if number is not None and not 1 <= number <= 100000:
             raise Error(f"{name} {number}: expected a number of workers from 1 to 100000")
-    defines = {}
-    for define in a.define:
-        name, equals, value = define.partition("=")
-        if not name or not equals:
-            raise Error(f"-D {define}: expected NAME=VALUE")
-        defines[name + "_" if name in ("integrator", "sampler", "path", "text") else name] = value
+    defines = defines_of(a.define)
     scene = load_file(a.scene, **defines)
     if not a.quiet:
         for note in scene.notes:

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
-import warnings
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Optional, Sequence
 
+from ._command_faces import defines_of, exit_code_of
 from ._errors import Error
 
 
@@ -35,15 +34,7 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--no-mix", action="store_true", help="take the network's picture also where the noisy one is better")
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     arguments = parser.parse_args(words)
-    warnings.showwarning = lambda message, *_, **__: print(f"note: {message}", file=sys.stderr)
-    try:
-        return _denoise(arguments)
-    except (Error, OSError) as e:
-        print(f"error: {e}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted: no picture is written", file=sys.stderr)
-        return 130
+    return exit_code_of(_denoise, arguments, "interrupted: no picture is written")
 
 
 def _denoise(a: Any) -> int:
@@ -54,12 +45,7 @@ def _denoise(a: Any) -> int:
 
     if not a.output.endswith(".exr"):
         raise Error(f"-o {a.output}: the output is an .exr file (a .png is written beside it)")
-    defines = {}
-    for define in a.define:
-        name, equals, value = define.partition("=")
-        if not name or not equals:
-            raise Error(f"-D {define}: expected NAME=VALUE")
-        defines[name + "_" if name in ("integrator", "sampler", "path", "text") else name] = value
+    defines = defines_of(a.define)
     scene = None
     if a.input.endswith(".xml"):
         if a.scene:
