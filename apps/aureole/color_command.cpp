@@ -23,9 +23,9 @@ namespace aureole {
 namespace {
 
 struct ColorOptions {
-  std::vector<std::string> targets, others;
+  std::vector<std::string> targets;
   std::string standard, json;
-  std::vector<double> cmc;
+  DifferenceOptions differences;
   LightOptions light;
 };
 
@@ -135,15 +135,16 @@ nlohmann::json compare(const NamedColour& standard, const NamedColour& c, const 
       "  against {}: dL* {:.3f}  da* {:.3f}  db* {:.3f}  dC* {:.3f}  dH* {:.3f}\n"
       "  Delta E*ab {:.3f}  CIEDE2000 {:.3f}  CMC({:g}:{:g}) {:.3f}  CIE94 {:.3f}  DIN99o {:.3f}\n",
       standard.name, shown(b.l - a.l), shown(b.a - a.a), shown(b.b - a.b), shown(lch.c), shown(lch.h),
-      pigment::cie1976(a, b), pigment::ciede2000(a, b), o.cmc[0], o.cmc[1],
-      pigment::cmc(a, b, o.cmc[0], o.cmc[1]), pigment::cie94(a, b), pigment::din99o(a, b));
+      pigment::cie1976(a, b), pigment::ciede2000(a, b), o.differences.cmc[0], o.differences.cmc[1],
+      pigment::cmc(a, b, o.differences.cmc[0], o.differences.cmc[1]), pigment::cie94(a, b),
+      pigment::din99o(a, b));
   nlohmann::json out = {{"standard", standard.name},
                         {"cie1976", pigment::cie1976(a, b)},
                         {"ciede2000", pigment::ciede2000(a, b)},
-                        {"cmc", pigment::cmc(a, b, o.cmc[0], o.cmc[1])},
+                        {"cmc", pigment::cmc(a, b, o.differences.cmc[0], o.differences.cmc[1])},
                         {"cie94", pigment::cie94(a, b)},
                         {"din99o", pigment::din99o(a, b)}};
-  const std::vector<std::string> others = o.light.others(o.others);
+  const std::vector<std::string> others = o.light.others(o.differences.others);
   if (standard.values.empty() || c.values.empty() || standard.nm != c.nm) {
     if (!standard.values.empty() && !c.values.empty())
       tell("note: \"{}\" and \"{}\" have other wavelengths; no metamerism is computed\n", standard.name,
@@ -162,10 +163,7 @@ nlohmann::json compare(const NamedColour& standard, const NamedColour& c, const 
 }
 
 int color(ColorOptions o) {
-  if (o.cmc.empty()) o.cmc = {2, 1};
-  if (o.cmc.size() != 2 || !(o.cmc[0] > 0 && o.cmc[1] > 0))
-    throw Error("--cmc: expected two positive numbers l:c, as in 2:1");
-  if (o.others.empty()) o.others = kUsualOthers;
+  o.differences.complete();
   const std::string viewing = o.light.viewing();
   const SpectrumLocus locus = locus_of(o.light.field());
   std::optional<NamedColour> standard;
@@ -195,11 +193,7 @@ std::function<int()> declare_color(CommandOptions& options) {
       .required();
   options.add("--standard", o->standard, "the colour to compare with, stated likewise");
   o->light.declare(options, "illuminant of the colours");
-  options
-      .add("--others", o->others,
-           "illuminants, or observers as in D65/10, of the metamerism indices (default A,F11)")
-      .separated_by(',');
-  options.add("--cmc", o->cmc, "l:c of the CMC difference (default 2:1)").separated_by(':');
+  o->differences.declare(options);
   options.add("--json", o->json, "also write the figures to this file").names_output();
   return [o] { return color(*o); };
 }

@@ -24,8 +24,7 @@ namespace {
 
 struct ColourOptions {
   std::string samples, standard, white, cie94, to_geometry, to_specular, json;
-  std::vector<std::string> others;
-  std::vector<double> cmc;
+  DifferenceOptions differences;
   LightOptions light;
   SurfaceOptions surface;
 };
@@ -133,12 +132,11 @@ nlohmann::json comparison_json(const ColourComparison& c, const std::vector<std:
 void complete(ColourOptions& o) {
   if (o.standard.empty())
     for (const auto& [option, is_given] : {std::pair{"--white", !o.white.empty()},
-                                           {"--others", !o.others.empty()},
-                                           {"--cmc", !o.cmc.empty()},
+                                           {"--others", !o.differences.others.empty()},
+                                           {"--cmc", !o.differences.cmc.empty()},
                                            {"--cie94", !o.cie94.empty()}})
       if (is_given) tell("note: {}: has no effect without --standard\n", option);
-  if (o.others.empty()) o.others = kUsualOthers;
-  if (o.cmc.empty()) o.cmc = {2, 1};
+  o.differences.complete();
 }
 
 /// The standard or the white, with its interface and its file.
@@ -192,8 +190,6 @@ std::vector<double> as_measured_by(const Reference& r, const SurfaceOptions& sam
 
 int colour(ColourOptions o) {
   complete(o);
-  if (o.cmc.size() != 2 || !(o.cmc[0] > 0 && o.cmc[1] > 0))
-    throw Error("--cmc: expected two positive numbers l:c, as in 2:1");
   const auto mark = o.samples.rfind('#');
   const bool is_one = mark != o.samples.npos && mark > 0;
   const std::string file = is_one ? o.samples.substr(0, mark) : o.samples;
@@ -210,10 +206,10 @@ int colour(ColourOptions o) {
   std::vector<double> standard, white;
   ColourSettings settings{
       .viewing = o.light.viewing(),
-      .cmc_l = o.cmc[0],
-      .cmc_c = o.cmc[1],
+      .cmc_l = o.differences.cmc[0],
+      .cmc_c = o.differences.cmc[1],
       .cie94 = o.cie94 == "textiles" ? pigment::Cie94::textiles : pigment::Cie94::graphic_arts};
-  settings.others = o.light.others(o.others);
+  settings.others = o.light.others(o.differences.others);
 
   // Colours are evaluated at those of the samples' wavelengths that the standard and the white have as well.
   std::optional<Reference> of_standard, of_white;
@@ -360,8 +356,9 @@ int colour(ColourOptions o) {
       out["samples"][all.size() - 1]["difference"] = comparison_json(all.back(), settings.others);
     }
     fmt::print("\n{:<{}} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>9} {:>7} {:>9} {:>7}\n", "difference", width,
-               "dL*", "da*", "db*", "dC*", "dH*", "dE*ab", fmt::format("CMC({:g}:{:g})", o.cmc[0], o.cmc[1]),
-               "CIE94", "CIEDE2000", "DIN99o");
+               "dL*", "da*", "db*", "dC*", "dH*", "dE*ab",
+               fmt::format("CMC({:g}:{:g})", o.differences.cmc[0], o.differences.cmc[1]), "CIE94",
+               "CIEDE2000", "DIN99o");
     for (std::size_t i = 0; i < all.size(); ++i) {
       const ColourComparison& c = all[i];
       fmt::print(
@@ -409,11 +406,7 @@ std::function<int()> declare(CommandOptions& options) {
       .required();
   options.add("--standard", o->standard, "FILE#SAMPLE: the standard to compare with");
   o->light.declare(options, "illuminant of the colours");
-  options
-      .add("--others", o->others,
-           "illuminants, or observers as in D65/10, of the metamerism indices (default A,F11)")
-      .separated_by(',');
-  options.add("--cmc", o->cmc, "l:c of the CMC difference (default 2:1)").separated_by(':');
+  o->differences.declare(options);
   options.add("--cie94", o->cie94, "parametric factors of CIE94: graphic_arts (default) or textiles")
       .one_of({"graphic_arts", "textiles"});
   options.add("--white", o->white,

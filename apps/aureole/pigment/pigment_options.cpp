@@ -189,6 +189,21 @@ std::vector<std::string> LightOptions::others(const std::vector<std::string>& na
   return all;
 }
 
+void DifferenceOptions::declare(CommandOptions& options) {
+  options
+      .add("--others", others,
+           "illuminants, or observers as in D65/10, of the metamerism indices (default A,F11)")
+      .separated_by(',');
+  options.add("--cmc", cmc, "l:c of the CMC difference (default 2:1)").separated_by(':');
+}
+
+void DifferenceOptions::complete() {
+  if (others.empty()) others = kUsualOthers;
+  if (cmc.empty()) cmc = {2, 1};
+  if (cmc.size() != 2 || !(cmc[0] > 0 && cmc[1] > 0))
+    throw Error("--cmc: expected two positive numbers l:c, as in 2:1");
+}
+
 void LayerOfPaint::declare(CommandOptions& options) {
   options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();

@@ -46,6 +46,16 @@ struct SurfaceOptions {
 /// Illuminants under which metamerism is judged unless options name others.
 inline const std::vector<std::string> kUsualOthers{"A", "F11"};
 
+/// The options of differences from a standard.
+struct DifferenceOptions {
+  std::vector<std::string> others;  ///< illuminants of the metamerism indices
+  std::vector<double> cmc;          ///< l and c of the CMC difference
+
+  void declare(CommandOptions& options);
+  /// Sets the values of options that were not given. Throws Error unless l and c are two positive numbers.
+  void complete();
+};
+
 /// The illuminant and the observer of colours.
 struct LightOptions {
   std::string illuminant = "D65",
