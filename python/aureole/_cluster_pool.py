@@ -23,13 +23,13 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 from ._cluster_worker import Answer, Bundle, describe, hash_of_file, open_scene, receive
 from ._errors import Error
 
-TICK_S = 0.02  # between two looks at the tasks
-LOOK_S = 1.0  # between two looks at the list of workers
+TICK_S = 0.02  # interval between two checks of the tasks
+LOOK_S = 1.0  # interval between two updates of the list of workers
 ANSWER_S = 30.0  # for the list of workers
 FETCH_S = 120.0  # for the result of a task that has ended
 OPEN_S = 1800.0  # for loading a scene, which may make tables
 PATIENCE_S = 120.0  # without any worker that could work
-PIECE_BYTES = 4 << 20  # of a file that travels
+PIECE_BYTES = 4 << 20  # largest piece in which a file is sent
 MOST_FAULTS = 3  # of a worker, until it is not used any more
 COPIES = 2  # of a task at a time
 
@@ -237,7 +237,7 @@ class Pool:
             future = self._client.submit(
                 function, *arguments, workers=[worker.address], allow_other_workers=False, pure=False, retries=0, key=key
             )
-        except Exception:  # the connection is lost just now: the next look at the workers tells
+        except Exception:  # the connection is lost now; the next update of the list of workers shows it
             return False
         now = time.monotonic()
         worker.asked.append(Asked(worker, task, future, now, now + limit))

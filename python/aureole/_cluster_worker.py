@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rendering on several machines: scenes that travel, and the functions that run on the workers."""
+"""Rendering on several machines: scenes that are sent to workers, and the functions that run on the workers."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from ._errors import Error
 from ._image import Image
 from ._scene import Scene, load_string
 
-FILE_MARK = "aureole-file:"  # before the number of a file in the text of a scene that travels
+FILE_MARK = "aureole-file:"  # before the number of a file in the text of a scene that is sent
 
 
 @dataclasses.dataclass(frozen=True)
 class Bundle:
-    """A scene that can travel: its text, with files by the hash of their content instead of their place.
+    """A scene that can be sent: its text, with files by the hash of their content instead of their place.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ def render(
     Parameters
     ----------
     scene : Scene
-        Its text and its files travel to each worker once, by the hash of their content.
+        Its text and its files are sent to each worker once, by the hash of their content.
     client : dask.distributed.Client
     spp, seed, replicates, adaptive
         As for `aureole.render`. With `adaptive` one worker finds the densities first.
@@ -533,7 +533,7 @@ def _store(store: Optional[str]) -> str:
 
 
 def bundle(scene: Scene) -> Bundle:
-    """A scene with the hashes of its files, as it travels.
+    """A scene with the hashes of its files, as it is sent.
 
     Parameters
     ----------
