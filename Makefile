@@ -13,7 +13,7 @@ TSAN_TESTS ?= ^(Determinism|RenderState|FilmBuffer|EditedSceneByHand)
 SEED ?= $(shell tools/with_fuzz_seed.sh)
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes words lint lint-all install wheel clean
+.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes words lint lint-all install wheel wheels wheel-test clean
 
 deps:
 	@tools/install_deps.sh
@@ -92,6 +92,14 @@ install: build
 
 wheel: deps
 	@tools/make_wheel.sh dist
+
+# Wheels for CPython 3.9 to 3.11, each, and for 3.12 and later.
+wheels:
+	@tools/make_wheels.sh dist
+
+# Installs the wheels of dist in a bare Debian that debootstrap makes, and uses them there (needs root; not a part of `make test`).
+wheel-test:
+	@$(PYTHON) tests/python/wheels_in_bare_root.py dist build/bare-root $(BIN)
 
 clean:
 	rm -rf build out dist

@@ -2,34 +2,37 @@
 # SPDX-License-Identifier: Apache-2.0
 """Costs of rendering on several machines, and what they mean for up to 1,000 workers (docs/cluster.md).
 
-    PYTHONPATH=build/release/python .venv/bin/python bench/cluster.py [--scene FILE] [--spp N] [--workers 1,2]
+    PYTHONPATH=build/release/python .venv/bin/python bench/cluster.py [--scene FILE] [--spp N] [--workers 1,2] [--part-seconds 2]
 
 prints the times of one process and of Dask workers on this machine, of one thread each, and what a part costs: packing it on its worker, its
 bytes, a round trip through the scheduler, adding it in the caller. Then it simulates a render with these costs.
 
-    ... bench/cluster.py --network
+    ... bench/cluster.py --network [--delay-ms 50] [--loss 1]
 
-renders with two workers behind links that are 25 ms late in each direction, with stalls as of 1 % of lost packets, and checks the bits.
+renders with two workers behind a link between two network namespaces (tests/python/lossy_link.py): each packet is 50 ms late in each direction, and
+1 % of them are lost. It checks the bits.
 """
 from __future__ import annotations
 
 import argparse
-import asyncio
-import contextlib
 import heapq
 import itertools
 import os
 import random
-import socket
 import subprocess
 import sys
-import threading
+import tempfile
 import time
 
 import numpy as np
 
 import aureole
 from aureole import _aureole, cluster
+
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tests", "python"))
+from lossy_link import LossyLink  # noqa: E402
 
 STREET = "scenes/condensation/condensation.xml"
 
@@ -135,90 +138,59 @@ def simulate(c, hours, bytes_per_s):
                   f"{100 * busy['scheduler']:8.0f} % {100 * busy['network']:6.0f} %")
 
 
-class SlowLink:
-    """Forwards connections to a port of this machine, 25 ms late in each direction. Of the pieces that pass, 1 % are 250 ms later still, as after a lost
-    packet that TCP sends again."""
+def start_dask(link, scheduler_host, worker_host, workers, port=8786):
+    """Starts a scheduler on one host of the link and workers of one thread on the other. Returns the scheduler's address."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    address = f"tcp://{link.address(scheduler_host)}:{port}"
 
-    def __init__(self, target):
-        self.target, self.port = target, 0
-        ready = threading.Event()
-        threading.Thread(target=lambda: asyncio.run(self._serve(ready)), daemon=True).start()
-        ready.wait()
+    def start(host, *words):
+        link.start(host, [sys.executable, "-m", *map(str, words)], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
-    async def _serve(self, ready):
-        server = await asyncio.start_server(self._connect, "127.0.0.1", 0)
-        self.port = server.sockets[0].getsockname()[1]
-        ready.set()
-        await server.serve_forever()
-
-    async def _connect(self, reader, writer):
-        try:
-            there = await asyncio.open_connection("127.0.0.1", self.target)
-        except OSError:
-            writer.close()
-            return
-        await asyncio.gather(self._forward(reader, there[1]), self._forward(there[0], writer))
-
-    @staticmethod
-    async def _forward(reader, writer):
-        loop, pieces = asyncio.get_running_loop(), asyncio.Queue()
-
-        async def send():
-            while (piece := await pieces.get()) is not None:
-                await asyncio.sleep(max(0.0, piece[0] - loop.time()))
-                writer.write(piece[1])
-                await writer.drain()
-            writer.close()
-
-        sender = asyncio.create_task(send())
-        try:
-            while content := await reader.read(1 << 16):
-                pieces.put_nowait((loop.time() + 0.025 + (0.25 if random.random() < 0.01 else 0.0), content))
-        except OSError:
-            pass
-        pieces.put_nowait(None)
-        await asyncio.gather(sender, return_exceptions=True)
+    start(scheduler_host, "distributed.cli.dask_scheduler", "--host", link.address(scheduler_host), "--port", port, "--no-dashboard", "--no-show")
+    for _ in range(workers):
+        start(worker_host, "distributed.cli.dask_worker", address, "--host", link.address(worker_host), "--nthreads", 1, "--no-dashboard", "--no-nanny")
+    return address
 
 
-def free_port():
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return found.getsockname()[1]
+def across_a_network(arguments, scene):
+    """Two workers behind a link that loses packets; the caller and the scheduler are on its other side."""
+    problem = LossyLink.missing()
+    if problem:
+        sys.exit(f"no link can be made on this machine: {problem}")
+    alone_s, alone, *_ = rendered(scene, arguments.spp)
+    with LossyLink(1e-3 * arguments.delay_ms, 1e-2 * arguments.loss) as link, tempfile.TemporaryDirectory() as folder:
+        address = start_dask(link, 0, 1, 2)
+        picture = os.path.join(folder, "picture.npy")
+        words = [__file__, "--scene", arguments.scene, "--spp", arguments.spp, "--caller", address, "--picture", picture]
+        words += ["--delay-ms", arguments.delay_ms, "--loss", arguments.loss, "--part-seconds", arguments.part_seconds, *(word for define in arguments.D for word in ("-D", define))]
+        caller = link.start(0, [sys.executable, *words], env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+        if caller.wait(timeout=900) != 0:
+            sys.exit("the render failed")
+        equal = np.array_equal(np.load(picture), alone.array)
+        packets = link.passed + link.lost
+        print(f"alone: {alone_s:.1f} s by one thread; {packets} packets, {100 * link.lost / packets:.2f} % of them lost, {link.sent_again(0)} and "
+              f"{link.sent_again(1)} segments sent again by TCP; bits are equal: {equal}")
+        if not equal:
+            sys.exit(1)
 
 
-def across_a_network(scene, spp):
-    """Two workers behind slow links in both directions."""
+def call(arguments, scene):
+    """The caller of `across_a_network`, in its own network namespace."""
     import distributed
 
-    port = free_port()
-    to_scheduler = SlowLink(port).port
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-
-    def start(*words):
-        return subprocess.Popen([sys.executable, "-m", *map(str, words)], env=environment, stderr=subprocess.DEVNULL)
-
-    processes = [start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard")]
-    try:
-        for _ in range(300):
-            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
-                break
-            time.sleep(0.1)
-        for _ in range(2):
-            own = free_port()
-            processes.append(start("distributed.cli.dask_worker", f"tcp://127.0.0.1:{to_scheduler}", "--nthreads", 1, "--no-dashboard", "--no-nanny",
-                                   "--listen-address", f"tcp://127.0.0.1:{own}", "--contact-address", f"tcp://127.0.0.1:{SlowLink(own).port}"))
-        with distributed.Client(f"tcp://127.0.0.1:{to_scheduler}", timeout=60) as client:
-            client.wait_for_workers(2, timeout=120)
+    with distributed.Client(arguments.caller, timeout=120) as client:
+        client.wait_for_workers(2, timeout=120)
+        times = []
+        for number in range(5):
             begun = time.perf_counter()
-            client.submit(nothing, 1, pure=False).result()
-            trip_s = time.perf_counter() - begun
-            seconds, image, *_ = rendered(scene, spp, client, part_seconds=2.0)
-            alone_s, alone, *_ = rendered(scene, spp)
-            print(f"an empty task takes {1e3 * trip_s:.0f} ms; {seconds:.1f} s by two workers behind slow links, {alone_s:.1f} s by one thread here; "
-                  f"bits are equal: {np.array_equal(image.array, alone.array)}")
-    finally:
-        for process in processes:
-            process.kill()
+            client.submit(nothing, number, pure=False).result()
+            times.append(time.perf_counter() - begun)
+        seconds, image, *_ = rendered(scene, arguments.spp, client, part_seconds=arguments.part_seconds)
+        again_s, again, *_ = rendered(scene, arguments.spp, client, part_seconds=arguments.part_seconds)
+        assert np.array_equal(image.array, again.array)
+        np.save(arguments.picture, image.array)
+        print(f"{arguments.delay_ms:g} ms, {arguments.loss:g} % lost: an empty task takes {1e3 * np.median(times):.0f} ms; {seconds:.1f} s by two workers that get the "
+              f"scene first, {again_s:.1f} s by two that have it", flush=True)
 
 
 def main():
@@ -229,13 +201,21 @@ def main():
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("-D", action="append", default=["width=360", "height=240"])
     parser.add_argument("--workers", default="1,2")
+    parser.add_argument("--part-seconds", type=float, default=2.0)
     parser.add_argument("--hours", type=float, default=1000.0)
     parser.add_argument("--megabytes", type=float, default=100.0, help="per second, from the workers to the caller")
-    parser.add_argument("--network", action="store_true")
+    parser.add_argument("--network", action="store_true", help="two workers behind a slow link that loses packets")
+    parser.add_argument("--delay-ms", type=float, default=50.0, help="of each packet, in each direction")
+    parser.add_argument("--loss", type=float, default=1.0, help="percent of the packets, in each direction")
+    parser.add_argument("--caller", help=argparse.SUPPRESS)
+    parser.add_argument("--picture", help=argparse.SUPPRESS)
     a = parser.parse_args()
     scene = aureole.load_file(a.scene, **dict(d.split("=", 1) for d in a.D))
+    if a.caller:
+        call(a, scene)
+        return
     if a.network:
-        across_a_network(scene, a.spp)
+        across_a_network(a, scene)
         return
     alone_s, alone, alone_cpu, _ = min((rendered(scene, a.spp) for _ in range(2)), key=lambda found: found[2])
     print(f"{a.scene} at {scene.size[0]} x {scene.size[1]}, {a.spp} samples: {alone_s:.2f} s by one thread, {alone_cpu:.2f} s of CPU")
@@ -243,7 +223,7 @@ def main():
     for count in map(int, a.workers.split(",")):
         with distributed.Client(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=":0") as client:
             rendered(scene, 16, client)  # loads the scene
-            seconds, image, cpu, caller = min((rendered(scene, a.spp, client, part_seconds=2.0) for _ in range(2)), key=lambda found: found[0])
+            seconds, image, cpu, caller = min((rendered(scene, a.spp, client, part_seconds=a.part_seconds) for _ in range(2)), key=lambda found: found[0])
             c["task_s"] = round_trip(client)
             print(f"{count} workers: {seconds:.2f} s, {100 * alone_s / seconds / count:.1f} % of ideal; {cpu:.2f} s of CPU, {100 * alone_cpu / cpu:.1f} % of "
                   f"ideal, and {caller:.2f} s of the caller; bits are equal: {np.array_equal(image.array, alone.array)}")

@@ -7,11 +7,14 @@ time of the whole process. Mitsuba's variant is scalar_spectral: like aureole it
 """
 import argparse
 import json
+import os
 import random
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAD = """<scene version="3.0.0"><integrator type="path"/>

@@ -5,6 +5,7 @@
 The scenes are those of bench/two_way that have a counterpart `.pbrt`. One thread, in turns, with other seeds each time. Noise is the
 variance of luminance between seeds; docs/performance.md has the definitions. Needs numpy and OpenEXR (3.3 or later)."""
 import argparse
+import os
 import resource
 import subprocess
 import tempfile
@@ -12,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = ROOT / "bench" / "two_way"

@@ -17,6 +17,8 @@ import tempfile
 import time
 from pathlib import Path
 
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
+
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "performance.md"
 MITSUBA = "3.9.1"

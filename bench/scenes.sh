@@ -2,6 +2,7 @@
 # shellcheck shell=bash disable=SC2034
 # Sourced by the other scripts: the scenes that are rendered.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+export AUREOLE_CACHE=off  # tables are computed at each start
 shared=${AUREOLE_SHARED:-$root/../shared}
 cbox=$shared/data/mitsuba/scenes/cbox/cbox.xml
 cbox_spectral=$shared/data/mitsuba/scenes/cbox/cbox-spectral.xml

@@ -22,6 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
+
 ROOT = Path(__file__).resolve().parents[1]
 COLORS = [(-1000, 0.3, 0.1, 0.1), (150, 0.55, 0.25, 0.15), (350, 0.88, 0.6, 0.4), (700, 0.95, 0.88, 0.75), (2000, 1, 1, 0.98)]
 OPACITIES = [(-1100, 0), (-500, 0), (-300, 0.03), (0, 0.02), (150, 0.02), (300, 0.12), (700, 0.5), (1200, 0.8)]
@@ -185,6 +187,63 @@ def difference(a, b):
     return np.abs(a - b)[seen].mean() / b[seen].mean(), (a - b)[seen].mean() / b[seen].mean()
 
 
+def cast_by_numpy(c):
+    """The picture of a comparison by a ray caster of numpy, which shades as VTK's caster by fixed point does: diffuse and specular
+    light are found at each voxel from central differences, for one direction of view, and interpolated between voxels. One ray
+    passes through the centre of each pixel."""
+    values, spacing = c.values.astype(np.float32), np.array(c.spacing)
+    forward = (c.center - c.position) / np.linalg.norm(c.center - c.position)
+    right = np.cross(forward, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    gz, gy, gx = np.gradient(values)
+    gradient = np.stack([gx / spacing[0], gy / spacing[1], gz / spacing[2]], -1)
+    size = np.linalg.norm(gradient, axis=-1)
+    cosine = np.abs(gradient @ -forward) / np.where(size > 0, size, 1)  # light and viewer are on one side
+    grids = [values.ravel(), cosine.astype(np.float32).ravel(), (cosine.astype(np.float32) ** 10).ravel()]
+    w, h = c.size
+    y, x = np.mgrid[0:h, 0:w]
+    scale = np.tan(np.radians(15)) / (h / 2)
+    d = forward + ((x + 0.5 - w / 2) * scale)[..., None] * right - ((y + 0.5 - h / 2) * scale)[..., None] * up
+    d = (d / np.linalg.norm(d, axis=-1, keepdims=True)).reshape(-1, 3)
+    n = np.array(values.shape[::-1])
+    top = (n - 1) * spacing
+    with np.errstate(divide="ignore"):
+        t0, t1 = (0 - c.position) / d, (top - c.position) / d
+    begin, end = np.minimum(t0, t1).max(-1), np.maximum(t0, t1).min(-1)
+    light, passed = np.zeros_like(d), np.ones(len(d))
+    active = np.flatnonzero(end > begin)
+    k = 0
+    while len(active):
+        t = begin[active] + (k + 0.5) * c.step
+        active, t = active[t < end[active]], t[t < end[active]]
+        at = np.clip((c.position + d[active] * t[:, None]) / spacing, 0, n - 1.001)
+        cell = at.astype(np.int64)
+        f = (at - cell).astype(np.float32)
+        base = (cell[:, 2] * n[1] + cell[:, 1]) * n[0] + cell[:, 0]
+
+        def look_up(grid, f=f, base=base):
+            lines = [grid[base + o] + f[:, 0] * (grid[base + o + 1] - grid[base + o]) for o in (0, n[0], n[0] * n[1], n[0] * n[1] + n[0])]
+            return (1 - f[:, 2]) * (lines[0] + f[:, 1] * (lines[1] - lines[0])) + f[:, 2] * (lines[2] + f[:, 1] * (lines[3] - lines[2]))
+
+        s = look_up(grids[0])
+        alpha = 1 - (1 - np.minimum(np.interp(s, *np.array(OPACITIES).T), 0.9999)) ** c.step
+        seen = alpha > 0
+        if seen.any():
+            f, base = f[seen], base[seen]
+            diffuse, specular = look_up(grids[1], f, base), look_up(grids[2], f, base)
+            table = np.array(COLORS).T
+            color = np.stack([np.interp(s[seen], table[0], row) for row in table[1:]], -1)
+            rays = active[seen]
+            if c.shade:
+                color = 0.7 * color * diffuse[:, None] + 0.2 * specular[:, None]
+            light[rays] += (passed[rays] * alpha[seen])[:, None] * color
+            passed[rays] *= 1 - alpha[seen]
+        active = active[passed[active] > 0.004]
+        k += 1
+    return light.reshape(h, w, 3)
+
+
 def reduced(picture, factor=4):
     h, w = picture.shape[:2]
     return picture.reshape(h // factor, factor, w // factor, factor, 3).mean((1, 3))
@@ -197,6 +256,8 @@ def text(name, value):
 def settings_of():
     """Ways of `dvr` to the picture: name, step in voxels (of the smallest distance), parameters."""
     ways = [(f"post, {s:g} voxels", s, "") for s in (0.25, 0.5, 0.6, 0.75, 1, 1.5)]
+    interleaved = '<boolean name="jitter" value="true"/>' + text("jitter_pattern", "interleaved")
+    ways += [(f"post, interleaved, {s:g} voxels", s, interleaved) for s in (0.5, 0.85, 1, 1.25)]
     ways += [(f"preintegrated, {s:g} voxels", s, text("classification", "preintegrated")) for s in (0.5, 1)]
     ways += [(f"by_opacity {o:g}, from {s:g} voxels", s, text("steps", "by_opacity") + f'<float name="step_opacity" value="{o}"/>')
              for s, o in ((0.5, 0.005), (0.5, 0.02), (0.5, 0.05), (0.25, 0.02), (0.25, 0.05))]
@@ -298,6 +359,14 @@ def main():
                     pictures[mapper], _ = reference.vtk(reference.step, mapper, scale=4, frames=1)
                     mean_abs, mean = difference(ours, pictures[mapper])
                     print(f"  from VTK by {name}: mean absolute difference {100 * mean_abs:.2f} %, mean difference {100 * mean:+.2f} %")
+                small, large = (Comparison(values, spacing, [s // n for s in a.size], voxel / 2, shade, folder, a.program) for n in (8, 2))
+                ours, theirs = small.ours(64)[0], small.vtk(small.step, "fixed", scale=4, frames=1)[0]
+                numpy = reduced(cast_by_numpy(large))
+                print(f"  {small.size[0]} x {small.size[1]}, by numpy with {'light found at the voxels' if shade else 'no light'}:")
+                for name, found, expected in (("numpy from dvr", numpy, ours), ("numpy from VTK by fixed point", numpy, theirs),
+                                              ("dvr from VTK by fixed point", ours, theirs)):
+                    mean_abs, mean = difference(found, expected)
+                    print(f"    {name}: mean absolute difference {100 * mean_abs:.2f} %, mean difference {100 * mean:+.2f} %")
                 if a.keep:
                     np.savez(folder / f"{'shaded' if shade else 'unshaded'}.npz", **pictures)
             seconds = min(c.ours(1)[1] for _ in range(3))

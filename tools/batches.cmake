@@ -2,17 +2,17 @@
 # Sources that are compiled together. Most of the time of a small source goes into its includes and into templates that its
 # neighbours instantiate, too; one compilation of several of them takes about half (docs/decisions/0123-source-batches.md). An edit compiles
 # its whole batch again: who works on the code may turn batches off. Names in unnamed namespaces must then differ among the sources
-# of a folder of the library; functions of one name and different parameters become overloads of each other.
-option(AUREOLE_BATCHES "Compile several sources of a folder at once" ON)
+# of a room of the library; functions of one name and different parameters become overloads of each other.
+option(AUREOLE_BATCHES "Compile several sources of a room at once" ON)
 
 # Sets `result` to what is to be compiled for the sources that follow, which lie below `root`, a folder for #include: one file for up to
-# `most` of each folder, or just the sources where batches are off.
+# `most` of each room (the folders below src/aureole), or just the sources where batches are off.
 function(aureole_batches result name root most)
   if(NOT AUREOLE_BATCHES)
     set(${result} ${ARGN} PARENT_SCOPE)
     return()
   endif()
-  aureole_group_sources(groups "^.*/" ${root} ${most} ${ARGN})
+  aureole_group_sources(groups "^[^/]*/[^/]*/" ${root} ${most} ${ARGN})
   set(batches)
   foreach(group ${groups})
     set(text "// Made by tools/batches.cmake.\n")

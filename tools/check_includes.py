@@ -93,7 +93,7 @@ if len(edge_files) > MOST_EDGE_FILES:
 OPENS = re.compile(r"std::[io]?fstream\b|\bfopen\(|(?<![\w:])::open\(|\bload_file\(\w")
 PRINTS = re.compile(r"fmt::print\(\s*stderr")  # throws where standard error cannot be written
 OPENERS = {"src/aureole/core/input_file.cpp", "src/aureole/core/output_file.cpp", "src/aureole/core/memory.cpp", "src/aureole/core/workers.cpp",
-           "src/aureole/volume/vdb/module/vdb_module.cpp", "src/aureole/volume/vdb/module/vdb_lengths.cpp"}
+           "src/aureole/parameter/vdb/module/vdb_module.cpp", "src/aureole/parameter/vdb/module/vdb_lengths.cpp"}
 for path in sorted(set(places.values()) - OPENERS):
     for number, line in enumerate(open(os.path.join(root, path), encoding="utf-8"), 1):
         if OPENS.search(line.split("//")[0]):

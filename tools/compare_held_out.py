@@ -3,13 +3,18 @@
 """Compares predictions of mixtures that were kept back with those of the plain two-constant fit, mixture by mixture.
 
     python3 tools/revigo_table.py ../shared/data/revigo > revigo.csv
-    aureole pigment fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --white ZincWhite --black BoneBlack --hold-out each --json held.json
+    aureole pigment fit revigo.csv --joint --k1 0.0418 --k2 0.5963 --index 1.48 --white ZincWhite --black BoneBlack \
+        --hold-out each --json held.json
     python3 tools/compare_held_out.py revigo.csv held.json
 
 For each theory of the report it prints the mean and the median CIEDE2000, the median of the ratios to the plain fit, and on how
 many mixtures the theory is better. The sets of mixtures are: all; those whose coloured paints have another tint in the table; those
-that have one in their own series, as the plain fit needs (40 of the oil paints); and sets of eleven, drawn from these in a fixed
-random order: four tints of about 50:50, four shades with black, three other mixtures.
+that have one in their own series, as the plain fit needs (40 of the oil paints); those of the kinds of which the table lacks
+specimens, 50:50 tints, shades and mixtures; and sets of eleven, drawn from all in a fixed random order: four tints of about 50:50,
+four shades with black, three other mixtures.
+
+The kinds, as the numbers of the table have gaps (03C, 04E, 05C, 08C, 09C, 11C, 13C, 14E, 16E and more): coloured paints with about as
+much of the white, coloured paints with 4 to 15 % of the black, and mixtures with another white.
 """
 import csv
 import json
@@ -18,6 +23,7 @@ import statistics
 import sys
 
 WHITE, BLACK = "ZincWhite", "BoneBlack"
+OTHER_WHITES = ("LeadWhite", "BariumSulphate", "CalciumCarbonate")
 DRAWS = 2000
 
 
@@ -43,6 +49,16 @@ def kind(recipe):
     return "tint" if 0.4 <= share <= 0.6 else "other"
 
 
+def is_of_the_kinds(recipe):
+    """Whether a mixture is a 50:50 tint, a shade with 4 to 15 % of the black, or a mixture of a coloured paint with another white."""
+    total = sum(recipe.values())
+    white, black = recipe.get(WHITE, 0) / total, recipe.get(BLACK, 0) / total
+    colours = [paint for paint in recipe if paint not in (WHITE, BLACK)]
+    if any(paint in OTHER_WHITES for paint in colours):
+        return black == 0
+    return (0.4 <= white <= 0.6 and black == 0) or (0.04 < black < 0.15 and bool(colours))
+
+
 def main():
     table = recipes(sys.argv[1])
     with open(sys.argv[2], encoding="utf-8") as file:
@@ -50,7 +66,8 @@ def main():
     held = {one["specimen"]: one for one in report["specimens"] if "plain" in one}
     theories = [name for name in report["coverage"] if all(name in one for one in held.values())]
     forty = [name for name in held if is_determined(name, table)]
-    sets = {"all": list(held), "another tint": [name for name, one in held.items() if one["determined"]], "another tint of the series": forty}
+    sets = {"all": list(held), "another tint": [name for name, one in held.items() if one["determined"]], "another tint of the series": forty,
+            "of the kinds that lack": [name for name in held if is_of_the_kinds(table[name][1])]}
     by_kind = {k: [name for name in held if kind(table[name][1]) == k] for k in ("tint", "shade", "other")}
     order = random.Random(1)
     elevens = [order.sample(by_kind["tint"], 4) + order.sample(by_kind["shade"], 4) + order.sample(by_kind["other"], 3) for _ in range(DRAWS)]

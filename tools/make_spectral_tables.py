@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Write src/aureole/spectrum/data/{cie_1931_observer,cie_1964_observer,cie_1951_scotopic,illuminants}.inc from the colour-science package.
+"""Write src/aureole/spectrum/data/{cie_1931_observer,cie_1964_observer,cie_1951_scotopic,cie_1988_modified_photopic,illuminants}.inc from the colour-science package.
 
     python tools/make_spectral_tables.py [output directory]
 
@@ -108,6 +108,17 @@ def write_scotopic(directory):
     print(" ", source)
 
 
+def write_modified_photopic(directory):
+    sd = colour.colorimetry.SDS_LEFS_PHOTOPIC["Judd-Vos Modified CIE 1978 Photopic Standard Observer"]
+    first, last = sd.wavelengths[0], sd.wavelengths[-1]
+    assert np.array_equal(sd.wavelengths, np.arange(first, last + 1))
+    source = f"V_M by Judd (1951) and Vos (1978), {first:.0f}-{last:.0f} nm in steps of 1 nm: CIE 86-1990"
+    text = LICENCE + MADE_BY + f"// {source}.\nconstexpr double kModifiedPhotopicStart = {first:.0f};\n"
+    text += f"constexpr double kModifiedPhotopic[{len(sd.values)}] = {{\n{wrapped(sd.values)}\n}};\n"
+    write(directory / "cie_1988_modified_photopic.inc", text)
+    print(" ", source)
+
+
 def write_illuminants(directory):
     text = LICENCE + MADE_BY + "// Relative spectral power, as published. Sources stand above each table.\n"
     rows = []
@@ -134,4 +145,5 @@ if __name__ == "__main__":
     write_observer(target, 1931, 2, "CIE 018:2019 / ISO/CIE 11664-1", "kObserver")
     write_observer(target, 1964, 10, "CIE 15:2004, table T.5 / ISO/CIE 11664-1", "kObserver10")
     write_scotopic(target)
+    write_modified_photopic(target)
     write_illuminants(target)

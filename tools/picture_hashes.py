@@ -21,6 +21,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
+
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("AUREOLE_SHARED", ROOT.parent / "shared"))
 LINES_PER_CHUNK = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16}  # of OpenEXR's compressions

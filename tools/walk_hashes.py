@@ -23,6 +23,8 @@ from pathlib import Path
 
 from picture_hashes import pixel_hash
 
+os.environ["AUREOLE_CACHE"] = "off"  # tables are computed at each start
+
 ROOT = Path(__file__).resolve().parent.parent
 SIZE = 16
 

@@ -11,6 +11,7 @@
 #include "aureole/parameter/splat/splat_writer.h"
 #include "command.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -61,8 +62,7 @@ int bake(const BakeArguments& a) {
   else
     require_extension(output, splat_extensions(), "splats are written");
   require_writable(output);
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
+  LoadOptions load = load_options(a.defines);
   load.integrator = a.integrator;
   load.fallback_integrator = "path";
   const LoadedScene scene = load_scene(a.scene, load);
@@ -112,6 +112,7 @@ std::function<int()> declare_bake(CommandOptions& options) {
   options.add("--integrator", a->integrator, "plug-in instead of the scene's integrator");
   options.add("--seed", a->seed, "of the random numbers (default 0)");
   options.add("-D,--define", a->defines, "set a $name of the scene").takes_each_time(1);
+  add_cache_option(options);
   return [=] { return bake(*a); };
 }
 

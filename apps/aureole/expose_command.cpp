@@ -17,6 +17,7 @@
 #include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -119,7 +120,7 @@ int expose(const ExposeArguments& a) {
     throw Error(std::string("--mosaic: ") + e.what());
   }
   std::optional<ColorCalibration> colors;
-  if (!camera.mosaic.is_mono()) colors = calibrate_colors(camera.efficiency);
+  if (!camera.mosaic.is_mono()) colors = calibrate_colors(camera);
 
   const ExposedPicture found = is_scene ? picture_of_scene(a) : picture_of_file(a);
   const SpectralPicture& picture = found.picture;
@@ -189,6 +190,7 @@ std::function<int()> declare_expose(CommandOptions& options) {
            "exposure in seconds (default: from shutter_open to shutter_close of the scene)")
       .takes(1);
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores)");

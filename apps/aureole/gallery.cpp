@@ -20,6 +20,7 @@
 #include "gallery/gallery_picture.h"
 #include "gallery/gallery_plots.h"
 #include "messages.h"
+#include "scene_loading.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -189,7 +190,12 @@ private:
     }
   }
   static std::string plot_key(const GalleryPlot& p) {
-    return std::string(kVersion) + " " + p.kind + " " + p.parameters.dump();
+    std::string key = std::string(kVersion) + " " + p.kind + " " + p.parameters.dump();
+    const auto scene = p.parameters.find("scene");  // which the plot renders
+    if (scene == p.parameters.end() || !scene->is_string()) return key;
+    GalleryPicture picture;
+    picture.scene = p.folder / scene->get<std::string>();
+    return key + " " + picture_key(picture, kPreviewSize);
   }
   bool is_done(const GalleryPlot& p, bool any_size) const {
     const auto at = results_.plots.find(p.name);
@@ -304,6 +310,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--only", a->only, "figures, separated by commas, such as fig08,fig09").separated_by(',');
   options.add("--scenes", a->scenes, "parent of that folder").shows_default();
   options.add("--threads", a->threads, "number of threads (default: all cores)");
+  add_cache_option(options);
   options.add("--again", a->again, "also render figures that are already done");
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return gallery(*a); };

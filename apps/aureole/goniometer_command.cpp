@@ -11,16 +11,17 @@
 #include <string>
 #include <vector>
 
-#include "aureole/bsdf/measured/scattered_table.h"
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/laboratory/brdf_fit.h"
 #include "aureole/instrument/laboratory/goniometer.h"
+#include "aureole/instrument/laboratory/lateral_spread.h"
 #include "aureole/instrument/report/svg_plot.h"
 #include "command.h"
 #include "interruption.h"
 #include "laboratory_options.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -28,34 +29,14 @@ namespace {
 struct GoniometerOptions {
   std::string target, plan = "hemispherical", thickness, aperture, lit, sample, output, material, json, plot;
   std::vector<std::string> defines, models;
-  std::vector<double> range{400, 700};
+  std::string spread, incident_light;
+  std::vector<double> range{400, 700}, cones, distances;
   double step = 20, bandwidth = 0;
   bool fit = false, report = false, is_quiet = false;
   GonioPlan directions;
   GoniometerSettings settings;
   TraceSettings trace;
 };
-
-/// Readings of a table of text, for fits.
-GonioTable table_of_file(const std::string& file) {
-  const ScatteredMeasurements m = read_scattered_measurements(file, false);
-  GonioTable table;
-  table.nm = m.nm;
-  if (m.nm.empty()) table.nm.assign(m.channels, 550);
-  for (std::size_t k = 0; k < m.directions.size(); ++k) {
-    const auto& d = m.directions[k];
-    GonioReading r{d.theta_i, d.phi_i, d.theta_o, d.phi_o, {}, std::vector<double>(m.channels)};
-    for (std::size_t c = 0; c < m.channels; ++c) {
-      r.f.push_back(double(m.values[k * m.channels + c]));
-      if (!m.errors.empty()) r.error[c] = double(m.errors[k * m.channels + c]);
-    }
-    table.readings.push_back(std::move(r));
-  }
-  if (m.errors.empty())
-    tell("note: {}: states no uncertainties; those of the fit are taken relative to each reading\n", file);
-  if (m.nm.empty() && m.channels > 1) table.nm = {450, 550, 650};
-  return table;
-}
 
 std::string lobe_plot(const std::string& title, const GonioTable& table) {
   Plot plot{title, "angle in the plane of incidence, degrees", "f, 1/sr, mean of the wavelengths", {}, false};
@@ -94,6 +75,14 @@ nlohmann::json report_json(const ReflectanceReport& r) {
       {"rho_hh", ratio_json(r.hh)}, {"anisotropy", r.anisotropy}, {"is_isotropic", r.is_isotropic}};
   for (const auto& a : r.angles)
     out["angles"].push_back({{"angle", a.angle}, {"rho_dh", ratio_json(a.dh)}, {"rho_hd", ratio_json(a.hd)}});
+  if (r.of_light) out["of_incident_light"] = ratio_json(*r.of_light);
+  for (const auto& c : r.cones)
+    out["cones"].push_back({{"theta_i", c.theta_i},
+                            {"half_i", c.half_i},
+                            {"theta_o", c.theta_o},
+                            {"half_o", c.half_o},
+                            {"reflectance", ratio_json(c.reflectance)},
+                            {"factor", c.factor}});
   for (const auto& p : r.pairs)
     out["pairs"].push_back(
         {{"i", p.i}, {"o", p.o}, {"forward", ratio_json(p.forward)}, {"backward", ratio_json(p.backward)}});
@@ -118,6 +107,58 @@ nlohmann::json fits_json(const std::vector<BrdfFit>& fits) {
   return out;
 }
 
+nlohmann::json spread_json(const SpreadTable& t) {
+  nlohmann::json out = {{"kind", t.is_line ? "line" : "point"}, {"wavelengths_nm", t.nm}};
+  for (const SpreadReading& r : t.readings) {
+    nlohmann::json one = {{"distance_mm", 1e3 * r.at_m}};
+    for (const Ratio& v : r.values) one["values"].push_back(v.value), one["errors"].push_back(v.error);
+    if (!r.predicted.empty()) one["diffusion"] = r.predicted;
+    out["readings"].push_back(std::move(one));
+  }
+  return out;
+}
+
+std::string spread_plot(const std::string& title, const SpreadTable& t) {
+  Plot plot{title, "distance, mm", t.is_line ? "1/m" : "1/m^2", {}, true};
+  const std::size_t b = t.nm.size() / 2;
+  PlotSeries traced{.kind = PlotSeries::Kind::points, .x = {}, .y = {}, .low = {}, .high = {}}, diffusion;
+  traced.label = fmt::format("traced, two standard errors, {:g} nm", t.nm[b]), traced.color = "#2050c0";
+  diffusion.label = "diffusion", diffusion.color = "#c03020";
+  for (const SpreadReading& r : t.readings) {
+    if (!(r.values[b].value > 0)) continue;
+    traced.x.push_back(1e3 * r.at_m), traced.y.push_back(r.values[b].value);
+    traced.low.push_back(std::max(r.values[b].value - 2 * r.values[b].error, 0.01 * r.values[b].value));
+    traced.high.push_back(r.values[b].value + 2 * r.values[b].error);
+    if (!r.predicted.empty()) diffusion.x.push_back(1e3 * r.at_m), diffusion.y.push_back(r.predicted[b]);
+  }
+  plot.series = {traced};
+  if (!diffusion.x.empty()) plot.series.push_back(diffusion);
+  return svg_plot(plot);
+}
+
+/// --spread: writes and prints the table of a slab instead of readings by direction.
+int measure_and_write_spread(const GoniometerOptions& o, const Bench& bench, const Specimen& specimen) {
+  SpreadSettings s;
+  s.is_line = o.spread == "line", s.lamp_angle = std::max(o.settings.lamp_angle, 0.5);
+  s.sample_m = o.settings.sample_m;
+  if (!o.aperture.empty()) s.receiver_m = o.settings.viewed_m;
+  s.lit_m = o.lit.empty() ? s.receiver_m : o.settings.lit_m;
+  for (const double mm : o.distances) s.at_m.push_back(1e-3 * mm);
+  if (s.at_m.empty())
+    for (const double mm : {0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0})
+      if (1e-3 * mm + 0.5 * s.receiver_m <= 0.5 * s.sample_m) s.at_m.push_back(1e-3 * mm);
+  const SpreadTable table = measure_spread(bench, specimen, s);
+  for (const std::string& note : table.notes) tell("note: {}\n", note);
+  const std::string text = spread_table_content(table);
+  if (!o.is_quiet) fmt::print("{}", text);
+  if (!o.output.empty()) write_file_atomically(o.output, text);
+  if (!o.plot.empty()) write_file_atomically(o.plot, spread_plot(o.target, table));
+  if (!o.json.empty()) write_file_atomically(o.json, spread_json(table).dump(1) + "\n");
+  if (o.fit || o.report)
+    tell("note: --fit, --models, --material and --report have no effect beside --spread\n");
+  return 0;
+}
+
 int goniometer(GoniometerOptions o) {
   GoniometerSettings& s = o.settings;
   if (!o.output.empty() && std::filesystem::path(o.output).extension() != ".csv")
@@ -131,12 +172,21 @@ int goniometer(GoniometerOptions o) {
   o.directions.kind = o.plan == "in_plane"   ? GonioPlan::Kind::in_plane
                       : o.plan == "adaptive" ? GonioPlan::Kind::adaptive
                                              : GonioPlan::Kind::hemispherical;
+  ReportSettings asked;
+  asked.light = o.incident_light;
+  if (o.cones.size() % 4 != 0)
+    throw Error(
+        "--cones: four numbers for each pair of cones are expected: theta_i,half_i,theta_o,half_o in degrees");
+  for (std::size_t k = 0; k < o.cones.size(); k += 4)
+    asked.cones.push_back({o.cones[k], o.cones[k + 1], o.cones[k + 2], o.cones[k + 3]});
+  if (!asked.light.empty() || !asked.cones.empty()) o.report = true;
   GonioTable table;
   nlohmann::json out;
   const std::size_t mark = o.target.rfind('#');
   const bool is_file = mark == o.target.npos && std::filesystem::path(o.target).extension() == ".csv";
   if (is_file) {
-    table = table_of_file(o.target);
+    table = read_gonio_table(o.target);
+    for (const std::string& note : table.notes) tell("note: {}\n", note);
     if (!o.output.empty() || o.report)
       tell("note: a table has been measured already; -o and --report have no effect\n");
     o.fit = true;
@@ -145,11 +195,8 @@ int goniometer(GoniometerOptions o) {
       throw Error(
           {o.target, 0, 0},
           "name a material of the scene as scene.xml#id, the id of a BSDF or a shape, or a table (.csv) to fit");
-    check_range(o.range);
-    LoadOptions load;
-    load.defines = split_defines(o.defines);
-    const LoadedSpecimen loaded =
-        load_specimen(o.target.substr(0, mark), o.target.substr(mark + 1), load, thickness);
+    LoadOptions load = load_options(o.defines);
+    const LoadedSpecimen loaded = load_specimen_called(o.target, load, thickness);
     if (!o.is_quiet)
       for (const std::string& note : loaded.notes) tell("note: {}\n", note);
     const Bands bands = bands_over(o.range, loaded.grid, o.step, 20, o.bandwidth);
@@ -157,11 +204,18 @@ int goniometer(GoniometerOptions o) {
     const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
     if (o.directions.transmits && !loaded.specimen.is_translucent())
       tell("note: --transmission: \"{}\" lets no light pass\n", loaded.specimen.name);
+    if (!o.spread.empty()) {
+      TraceSettings more = o.trace;
+      more.paths = std::max<std::int64_t>(more.paths, 1 << 16);
+      return measure_and_write_spread(o, Bench(loaded.grid, loaded.length_unit_m, bands, more),
+                                      loaded.specimen);
+    }
+    if (!o.distances.empty()) tell("note: --distances has no effect without --spread\n");
     if (o.report) {
       TraceSettings more = o.trace;
       more.paths = std::max<std::int64_t>(more.paths, 1 << 15);
-      const ReflectanceReport r =
-          report_reflectances(Bench(loaded.grid, loaded.length_unit_m, bands, more), loaded.specimen, s);
+      const ReflectanceReport r = report_reflectances(Bench(loaded.grid, loaded.length_unit_m, bands, more),
+                                                      loaded.specimen, s, asked);
       if (!o.is_quiet) fmt::print("{}", report_text(r));
       out["report"] = report_json(r);
     }
@@ -249,6 +303,7 @@ std::function<int()> declare_goniometer(CommandOptions& options) {
   options.add("--seed", o->trace.seed, "seed of the paths and of the noise").shows_default();
   options.add("--threads", o->trace.threads, "threads (default: all cores)");
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("-o,--output", o->output, "write the readings to this .csv file, which \"tabulated\" reads")
       .names_output();
   options.add("--fit", o->fit, "fit analytic models to the readings");
@@ -256,6 +311,23 @@ std::function<int()> declare_goniometer(CommandOptions& options) {
   options.add("--material", o->material, "write the best model as a <bsdf> element to this file")
       .names_output();
   options.add("--report", o->report, "measure reflectances, reciprocity, energy and isotropy");
+  options.add(
+      "--incident-light", o->incident_light,
+      "in the report: the part that is scattered of light of this radiance by angle from the normal, as "
+      "0:1,60:0.5,90:0.1, or of a picture in latitude and longitude (.exr, .hdr)");
+  options
+      .add(
+          "--cones", o->cones,
+          "in the report: reflectance from cone to cone, theta_i,half_i,theta_o,half_o in degrees; may be several fours")
+      .separated_by(',');
+  options
+      .add(
+          "--spread", o->spread,
+          "instead: light that leaves a slab beside a spot or a line of light (point, line); --aperture and --lit are the "
+          "sizes of receiver and spot (0.5mm)")
+      .one_of({"point", "line"});
+  options.add("--distances", o->distances, "distances of --spread from the spot in mm (default 0 to 24)")
+      .separated_by(',');
   options.add("--json", o->json, "write fits and report to this file").names_output();
   options.add("--plot", o->plot, "write the lobes in the plane of incidence to this SVG file").names_output();
   options.add("-q,--quiet", o->is_quiet, "print errors only");

@@ -8,15 +8,13 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
-#include "aureole/core/units.h"
-#include "aureole/core/version.h"
-#include "aureole/instrument/photometry/goniometry.h"
+#include "aureole/instrument/photometry/goniophotometer_scene.h"
 #include "aureole/instrument/report/svg_plot.h"
-#include "aureole/loading/document.h"
 #include "aureole/render/job.h"
 #include "command.h"
-#include "interruption.h"
+#include "measured_scene.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -38,106 +36,24 @@ bool is_luminaire_file(const std::filesystem::path& file) {
   return extension == ".ies" || extension == ".ldt";
 }
 
-/// Returns the number of steps of an angle, which must divide `whole` degrees.
-int steps_of(const char* option, double step, double whole) {
-  const double count = whole / step;
-  if (!(step > 0 && count <= 3600 && std::abs(count - std::round(count)) < 1e-6))
-    throw Error(
-        fmt::format("{} {:g}: must divide {:g} degrees, by 0.1 degrees at least", option, step, whole));
-  return int(std::lround(count));
-}
-
-std::string direction_text(const std::vector<double>& v) {
-  return fmt::format("{:.9g}, {:.9g}, {:.9g}", v[0], v[1], v[2]);
-}
-
-/// Returns the sensor's XML element. By default -z is down and x is along the luminaire.
-std::string sensor_element(const GonioArguments& a) {
-  std::vector<double> down = a.down.empty() ? std::vector<double>{0, 0, -1} : a.down;
-  std::vector<double> along = a.along;
-  const auto cross_of = [](const std::vector<double>& p, const std::vector<double>& q) {
-    return std::vector<double>{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
-                               p[0] * q[1] - p[1] * q[0]};
-  };
-  const auto unit = [](const char* option, std::vector<double> v) {
-    const double l = std::hypot(v[0], v[1], v[2]);
-    if (!(l > 1e-9 && std::isfinite(l)))
-      throw Error(fmt::format("{} {}: is no direction", option, direction_text(v)));
-    for (double& x : v) x /= l;
-    return v;
-  };
-  down = unit("--down", down);
-  if (along.empty())
-    along = std::abs(down[0]) > 0.9 ? std::vector<double>{0, 1, 0} : std::vector<double>{1, 0, 0};
-  const std::vector<double> y = unit("--along", cross_of(down, unit("--along", along)));
-  const std::vector<double> x = cross_of(y, down);
-  std::string matrix;
-  for (std::size_t i = 0; i < 3; ++i) matrix += fmt::format("{:.9g} {:.9g} {:.9g} ", x[i], y[i], down[i]);
-  return fmt::format(
-      "<sensor type=\"goniophotometer\"><transform name=\"to_world\"><matrix value=\"{}\"/></transform>"
-      "<film type=\"hdrfilm\"><integer name=\"width\" value=\"{}\"/><integer name=\"height\" value=\"{}\"/>"
-      "<string name=\"quantity\" value=\"luminous_intensity\"/><rfilter type=\"box\"/></film>"
-      "<sampler type=\"sobol\"><integer name=\"sample_count\" value=\"{}\"/></sampler></sensor>",
-      matrix, steps_of("--c-step", a.c_step, 360), steps_of("--gamma-step", a.gamma_step, 180) + 1, a.spp);
-}
-
-/// Loads the user's scene with the goniophotometer as its sensor.
-LoadedScene load_on_goniophotometer(const GonioArguments& a) {
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  load.integrator = a.integrator.empty() ? "ptracer" : a.integrator;
-  const LoadedObjects objects = load_objects(a.target, load);
-  const bool has_sensor = std::any_of(objects.objects.begin(), objects.objects.end(), [](const auto& object) {
-    return std::dynamic_pointer_cast<const Sensor>(object.second) != nullptr;
-  });
-  if (has_sensor) {
-    SceneDocument document(a.target, load);
-    return document.edit({{"sensor", sensor_element(a)}});
-  }
-  constexpr const char* kScene = "scene_on_the_goniophotometer";
-  load.defines.emplace_back(kScene, std::filesystem::path(a.target).filename().string());
-  return load_scene_from_string(
-      "<scene version=\"3.0.0\">" + sensor_element(a) + "<include filename=\"$" + kScene + "\"/></scene>",
-      std::filesystem::path(a.target).parent_path() / "--goniophotometer", load);
-}
-
 Luminaire measure(const GonioArguments& a) {
-  if (a.spp < 1) throw Error(fmt::format("--spp {}: at least one sample per direction is needed", a.spp));
   if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
-  const LoadedScene loaded = load_on_goniophotometer(a);
+  GoniophotometerSettings settings{a.target,    split_defines(a.defines), a.integrator, a.spp, a.c_step,
+                                   a.gamma_step};
+  if (!a.down.empty()) settings.down = a.down;
+  settings.along = a.along, settings.tables = table_cache();
+  const LoadedScene loaded = load_goniophotometer(settings);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
-  for (const Light& light : loaded.scene->emitters())
-    if (light.is_infinite())
-      throw Error(light.properties().where(),
-                  "light from infinity is none of a luminaire: leave this emitter out");
-  RenderOptions options;
-  options.threads = a.threads;
-  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
-  RenderJob job(loaded, options);
-  if (job.run(stop_on_interrupt()) == RenderJob::Outcome::interrupted)
-    throw Error("interrupted: no file is written");
-  if (job.state().invalid_samples > 0)
-    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
+  require_luminaire(*loaded.scene);
+  RenderJob job(loaded, render_options(-1, a.seed, a.threads));
+  run_to_end(job);
 
   GoniometryOptions how;
-  using Symmetry = GoniometryOptions::Symmetry;
-  how.symmetry = a.symmetry == "rotational"  ? Symmetry::rotational
-                 : a.symmetry == "c0"        ? Symmetry::about_c0
-                 : a.symmetry == "c90"       ? Symmetry::about_c90
-                 : a.symmetry == "quadrants" ? Symmetry::quadrants
-                                             : Symmetry::none;
+  how.symmetry = symmetry_of(a.symmetry);
   how.flux = a.flux, how.lamp_flux = a.lamp_flux, how.watts = a.watts;
   if (!a.opening.empty()) how.opening.size_m = {a.opening[0], a.opening[1], a.opening[2]};
-  const std::string name = a.name.empty() ? std::filesystem::path(a.target).stem().string() : a.name;
-  how.keywords = {{"TEST", "calculated by aureole " + std::string(kVersion)},
-                  {"TESTLAB", "none: a simulation"},
-                  {"ISSUEDATE", "not stated"},
-                  {"MANUFAC", a.maker.empty() ? "not stated" : a.maker},
-                  {"LUMCAT", name},
-                  {"LUMINAIRE", name},
-                  {"OTHER", fmt::format("far field; {} samples per direction of {}", a.spp,
-                                        std::filesystem::path(a.target).filename().string())}};
+  how.keywords = measurement_keywords(settings, a.name, a.maker);
   return measured_luminaire(job.state().picture(), how);
 }
 
@@ -217,6 +133,7 @@ std::function<int()> declare_goniophotometer(CommandOptions& options) {
       .required();
   options.add("-o,--output", a->outputs, "write this .ies or .ldt file; may be repeated").takes_each_time(1);
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--c-step", a->c_step, "step of the half-planes C, in degrees").shows_default();
   options.add("--gamma-step", a->gamma_step, "step of gamma, in degrees").shows_default();
   options.add("--symmetry", a->symmetry, "half-planes to average: none, rotational, c0, c90 or quadrants")

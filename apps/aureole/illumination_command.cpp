@@ -7,14 +7,16 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
-#include "aureole/instrument/photometry/photometric_picture.h"
+#include "aureole/instrument/photometry/illumination.h"
 #include "aureole/loading/load.h"
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/tone.h"
 #include "command.h"
 #include "interruption.h"
+#include "measured_scene.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -28,96 +30,29 @@ struct IlluminationArguments {
   bool quiet = false;
 };
 
-/// Means over runs with independent seeds, and their standard errors.
-struct RunStatistics {
-  double sum = 0, squares = 0;
-  int runs = 0;
-  void add(double x) { sum += x, squares += x * x, ++runs; }
-  double mean() const { return sum / runs; }
-  double error() const {
-    return runs > 1 ? std::sqrt(std::max(0.0, squares / runs - mean() * mean()) / (runs - 1)) : 0;
-  }
-};
-
-struct Illumination {
-  PhotometricMap map;  ///< mean over the runs
-  Image colors;        ///< linear sRGB, mean over the runs
-  std::vector<RunStatistics> regions;
-};
-
-double mean_of_region(const PhotometricMap& map, const MapRegion& r) {
-  double sum = 0;
-  for (int y = r.y; y < r.y + r.height; ++y)
-    for (int x = r.x; x < r.x + r.width; ++x) sum += map.at(x, y);
-  return sum / (double(r.width) * r.height);
-}
-
-/// The channel of a film in its unit, or its relative luminance.
-PhotometricMap map_of(const Image& picture, const std::string& meanings, const Image& colors,
-                      bool is_absolute, const std::string& name) {
-  if (is_absolute) return photometric_map(picture, meanings, name);
-  PhotometricMap map{colors.width, colors.height, {}, "relative luminance", "1"};
-  for (int y = 0; y < colors.height; ++y)
-    for (int x = 0; x < colors.width; ++x)
-      map.values.push_back(colors.channel_count() == 3
-                               ? 0.2126 * double(colors.at(x, y, 0)) + 0.7152 * double(colors.at(x, y, 1)) +
-                                     0.0722 * double(colors.at(x, y, 2))
-                               : double(colors.at(x, y, 0)));
-  return map;
-}
-
 /// The scene with the integrator of local illumination, or of all light.
 LoadedScene load_for(const IlluminationArguments& a, bool is_local) {
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  load.integrator = is_local ? "direct" : "path";
-  LoadedScene loaded = load_scene(a.scene, load);
-  const PlacedSensor& sensor = loaded.scene->sensor();
-  if (!is_local || !sensor.receiver(0.5f * (sensor.part.lower + sensor.part.upper))) return loaded;
-  // A receiver is irradiated itself: paths of one segment lead from it to the lights.
-  load.integrator = "path";
-  load.integrator_parameters = {{"integer", "max_depth", "1"}};
-  return load_scene(a.scene, load);
+  LoadOptions load = load_options(a.defines);
+  LoadedScene loaded = load_scene(a.scene, illumination_options(load, is_local));
+  if (!is_local || !measures_on_receivers(*loaded.scene)) return loaded;
+  return load_scene(a.scene, receiver_options(load));
 }
 
-Illumination illuminate(const IlluminationArguments& a, bool is_local, std::vector<MapRegion>& regions) {
+IlluminationRuns illuminate(const IlluminationArguments& a, bool is_local,
+                            const std::vector<MapRegion>& regions) {
   const LoadedScene loaded = load_for(a, is_local);
   if (!a.quiet && !is_local)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const Film& film = loaded.scene->film();
-  const std::string meanings = channels_attribute(film.channel_names(), film.channel_meanings());
-  const bool is_absolute =
-      meanings.find("cd/m^2") != meanings.npos || meanings.find(", lx") != meanings.npos ||
-      meanings.find("W/(m^2 sr)") != meanings.npos || meanings.find("W/m^2") != meanings.npos;
-  if (regions.empty()) regions.push_back({0, 0, film.crop_width(), film.crop_height()});
-  for (const MapRegion& r : regions)
-    if (r.width < 1 || r.height < 1 || r.x + r.width > film.crop_width() ||
-        r.y + r.height > film.crop_height())
-      throw Error(fmt::format("--region {},{},{},{}: leaves the picture of {} x {} pixels", r.x, r.y, r.width,
-                              r.height, film.crop_width(), film.crop_height()));
-  Illumination result;
-  result.regions.resize(regions.size());
+  IlluminationRuns result(a.scene, channels_attribute(film.channel_names(), film.channel_meanings()),
+                          film.crop_width(), film.crop_height(), regions);
   for (int run = 0; run < a.runs; ++run) {
-    RenderOptions options;
-    if (a.spp > 0) options.end = a.spp;
-    options.seed = std::uint64_t(a.seed >= 0 ? a.seed : 0) + std::uint64_t(run);
-    options.threads = a.threads;
+    RenderOptions options = render_options(a.spp, (a.seed >= 0 ? a.seed : 0) + std::int64_t(run), a.threads);
     options.adaptive = AdaptiveTarget::none;
     RenderJob job(loaded, options);
-    if (job.run(stop_on_interrupt()) == RenderJob::Outcome::interrupted)
-      throw Error("interrupted: nothing is written");
-    const Image picture = job.state().picture(), colors = job.state().rgb_picture();
-    const PhotometricMap map = map_of(picture, meanings, colors, is_absolute, a.scene);
-    for (std::size_t i = 0; i < regions.size(); ++i) result.regions[i].add(mean_of_region(map, regions[i]));
-    if (run == 0) {
-      result.map = map, result.colors = colors;
-    } else {
-      for (std::size_t i = 0; i < map.values.size(); ++i) result.map.values[i] += map.values[i];
-      for (std::size_t i = 0; i < colors.pixels.size(); ++i) result.colors.pixels[i] += colors.pixels[i];
-    }
+    run_to_end(job);
+    result.add(job.state().picture(), job.state().rgb_picture());
   }
-  for (double& v : result.map.values) v /= a.runs;
-  for (float& v : result.colors.pixels) v /= float(a.runs);
   return result;
 }
 
@@ -151,22 +86,19 @@ int illumination(const IlluminationArguments& a) {
     require_writable(file);
   }
   stop_on_interrupt();  // also while scenes are loaded
-  const Illumination local = illuminate(a, true, regions), global = illuminate(a, false, regions);
-  if (!a.output.empty()) write_png(a.output, display_picture(side_by_side(local.colors, global.colors)));
+  const IlluminationRuns local = illuminate(a, true, regions), global = illuminate(a, false, regions);
+  if (!a.output.empty()) write_png(a.output, display_picture(side_by_side(local.colors(), global.colors())));
+  const PhotometricMap map = global.map();
   if (!a.map.empty()) {
-    PhotometricMap share = global.map;
-    share.quantity = "light scattered more than once", share.unit = "%";
-    for (std::size_t i = 0; i < share.values.size(); ++i)
-      share.values[i] = share.values[i] > 0 ? 100 * (1 - local.map.values[i] / share.values[i]) : 0;
+    const PhotometricMap share = repeated_share(local.map(), map);
     write_png(a.map, false_color_picture(share.values, share.width, share.height,
                                          map_scale(share, 0, 100, false, {})));
   }
-  fmt::print("{}, {}; means with their standard errors over {} runs\n", global.map.quantity, global.map.unit,
-             a.runs);
+  fmt::print("{}, {}; means with their standard errors over {} runs\n", map.quantity, map.unit, a.runs);
   fmt::print("{:>20} {:>24} {:>24} {:>24} {:>8}\n", "region", "local", "global", "more than once", "share");
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    const MapRegion& r = regions[i];
-    const RunStatistics &l = local.regions[i], &g = global.regions[i];
+  for (std::size_t i = 0; i < local.regions().size(); ++i) {
+    const MapRegion& r = local.regions()[i];
+    const RunStatistics &l = local.statistics()[i], &g = global.statistics()[i];
     const auto with_error = [](double mean, double error) {
       return fmt::format("{:.6g} +- {:.2g}", mean, error);
     };
@@ -193,6 +125,7 @@ std::function<int()> declare_illumination(CommandOptions& options) {
            "also write the share of light that was scattered more than once, in false colours (.png)")
       .names_output();
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--spp", a->spp, "samples per pixel of each run (default: the scene's sample_count)");
   options.add("--runs", a->runs, "runs with seeds of their own, for the errors")
       .between(2, 1000)

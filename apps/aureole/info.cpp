@@ -9,12 +9,13 @@
 #include "aureole/instrument/info/file_info.h"
 #include "command.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
 
 int info(const std::string& file, const std::vector<std::string>& defines) {
-  const FileInfo found = file_info(file, split_defines(defines));
+  const FileInfo found = file_info(file, split_defines(defines), table_cache());
   for (const std::string& note : found.notes) tell("note: {}\n", note);
   fmt::print("{}", found.text);
   return 0;
@@ -25,6 +26,7 @@ std::function<int()> declare(CommandOptions& options) {
   auto defines = std::make_shared<std::vector<std::string>>();
   options.add("file", *file, "scene, picture, volume, splats, radiance grid or .state file").required();
   options.add("-D,--define", *defines, "set a $name of the scene").takes_each_time(1);
+  add_cache_option(options);
   return [=] { return info(*file, *defines); };
 }
 

@@ -16,6 +16,7 @@
 #include "aureole/loading/load.h"
 #include "command.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -30,8 +31,7 @@ struct LayerOptions {
 
 int layer(const LayerOptions& options) {
   const auto [file, id] = file_and_id(options.target);
-  LoadOptions load;
-  load.defines = split_defines(options.defines);
+  LoadOptions load = load_options(options.defines);
   const LoadedObjects loaded = load_objects(file, load);
   for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const auto bsdf = find_bsdf(loaded, file, id);
@@ -99,6 +99,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("target", o->target, "scene.xml#id: id of a BSDF or a shape; the file needs no sensor")
       .required();
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--angle", o->angle, "angle of incidence in degrees, above 90 from below (default 0)")
       .between(0.0, 180.0);
   options.add("--azimuth", o->azimuth, "azimuth of the incident light in degrees from the u axis");

@@ -2,12 +2,8 @@
 // aureole lens: the properties of a lens by its elements.
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-
-#include "aureole/core/error.h"
+#include "aureole/instrument/lens/lens_figures.h"
 #include "aureole/optics/detector/photodetector.h"
-#include "aureole/parameter/lens/lens_file.h"
 #include "command.h"
 #include "messages.h"
 
@@ -23,54 +19,34 @@ struct LensArguments {
 int report_lens(const LensArguments& a) {
   const LensPrescription lens = read_lens(a.file);
   for (const std::string& note : lens.notes) tell("note: {}\n", note);
-  optics::LensSystem system(lens.surfaces);
-  constexpr double kD = 587.5618;
-  const optics::ParaxialLens open = system.paraxial(lens.indices(kD));
-  if (!a.f_number.empty()) {
-    if (!(a.f_number[0] >= open.f_number() * (1 - 1e-3)))
-      throw Error(
-          fmt::format("--f-number {:g}: wide open the lens has f/{:.4g}", a.f_number[0], open.f_number()));
-    system.set_stop_semi_diameter(lens.surfaces[system.stop()].semi_diameter *
-                                  std::min(1.0, open.f_number() / a.f_number[0]));
-  }
-  const double object = a.distance.empty() ? std::numeric_limits<double>::infinity() : 1000 * a.distance[0];
-  if (!(object > 0)) throw Error(fmt::format("--distance {:g}: must be positive, in metres", a.distance[0]));
-  const double last = system.vertex(lens.surfaces.size() - 1);
-  const optics::ParaxialLens p = system.paraxial(lens.indices(kD));
-  fmt::print("{}{} surfaces, stop at surface {}\n", lens.name.empty() ? "" : lens.name + ": ",
-             lens.surfaces.size(), system.stop() + 1);
+  LensSettings settings;
+  if (!a.f_number.empty()) settings.f_number = a.f_number[0];
+  if (!a.distance.empty()) settings.object = 1000 * a.distance[0];
+  settings.fields = a.fields, settings.nm = a.nm, settings.rays = a.rays;
+  const LensFigures f = measure_lens(lens, settings);
+  fmt::print("{}{} surfaces, stop at surface {}\n", f.name.empty() ? "" : f.name + ": ", f.surfaces, f.stop);
   fmt::print("at the line d: focal length {:.4f} mm, f/{:.3f}, back focus {:.4f} mm behind the last vertex\n",
-             p.focal_length, p.f_number(), p.back_focus - last);
+             f.focal_length, f.f_number, f.back_focus);
   fmt::print(
       "entrance pupil {:.3f} mm behind the first vertex, diameter {:.3f} mm; exit pupil {:.3f} mm before the film, "
       "diameter {:.3f} mm\n",
-      p.entrance_pupil, 2 * p.entrance_semi, system.film() - p.exit_pupil, 2 * p.exit_semi);
+      f.entrance_pupil, f.entrance_width, f.exit_pupil, f.exit_width);
   fmt::print("\n{:>10} {:>14} {:>14} {:>14}\n", "nm", "focal length", "paraxial", "best focus");
-  for (const double nm : a.nm) {
-    const std::vector<double> n = lens.indices(nm);
-    fmt::print("{:10.2f} {:14.4f} {:14.4f} {:14.4f}\n", nm, system.paraxial(n).focal_length,
-               system.paraxial_image(n, object) - last, optics::best_focus(system, n, kD, object) - last);
-  }
-  const double focus = optics::best_focus(system, lens.indices(kD), kD, object);
-  system.set_film(focus);
-  const double axial = double(optics::distant_spot(system, lens.indices(kD), kD, 0, a.rays).points.size());
-  fmt::print("\nfilm {:.4f} mm behind the last vertex; distant points:\n", focus - last);
+  for (const LensFocus& focus : f.foci)
+    fmt::print("{:10.2f} {:14.4f} {:14.4f} {:14.4f}\n", focus.nm, focus.focal_length, focus.paraxial,
+               focus.best);
+  fmt::print("\nfilm {:.4f} mm behind the last vertex; distant points:\n", f.film);
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>12} {:>12}\n", "degrees", "nm", "height mm", "rms um", "open",
              "transmits");
-  for (const double field : a.fields)
-    for (const double nm : a.nm) {
-      const optics::Spot s = optics::distant_spot(system, lens.indices(nm), nm, field * M_PI / 180, a.rays);
-      if (s.points.empty()) {
-        fmt::print("{:8.2f} {:10.2f} no light arrives\n", field, nm);
-        continue;
-      }
-      fmt::print("{:8.2f} {:10.2f} {:12.4f} {:12.2f} {:12.4f} {:12.4f}\n", field, nm, s.centroid[1],
-                 1000 * s.rms_radius, double(s.points.size()) / axial, s.transmittance);
-    }
-  const double cutoff = 1 / (kD * 1e-6 * p.f_number());
+  for (const LensSpot& s : f.spots)
+    if (s.points.empty())
+      fmt::print("{:8.2f} {:10.2f} no light arrives\n", s.field, s.nm);
+    else
+      fmt::print("{:8.2f} {:10.2f} {:12.4f} {:12.2f} {:12.4f} {:12.4f}\n", s.field, s.nm, s.height, s.rms,
+                 s.open, s.transmittance);
   fmt::print(
       "\ndiffraction at the line d: cut-off {:.1f} cycles/mm, modulation {:.4f} at half of it; Airy radius {:.2f} um\n",
-      cutoff, optics::diffraction_mtf(0.5, 1), 1.21966989 * kD * 1e-3 * p.f_number());
+      f.cutoff, optics::diffraction_mtf(0.5, 1), f.airy_radius);
   return 0;
 }
 

@@ -15,11 +15,10 @@
 #include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
-
-constexpr const char* kAxesAttribute = "aureole:lightfield";
 
 struct LightFieldArguments {
   std::string target, output, field;
@@ -31,20 +30,16 @@ struct LightFieldArguments {
   bool quiet = false;
 };
 
-LightField field_of_scene(const LightFieldArguments& a) {
+/// Renders the light field of a scene, and says what its channels hold.
+LightField field_of_scene(const LightFieldArguments& a, std::string& meanings) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
-  const Properties& p = loaded.scene->sensor().properties();
-  if (p.type() != "lightfield")
-    throw Error(p.where(),
-                "the sensor is a \"" + p.type() + "\"; a light field needs the sensor \"lightfield\"");
+  const Film& film = loaded.scene->film();
   LightField f;
-  f.views_x = int(p.get_int("views_x", 8)), f.views_y = int(p.get_int("views_y", f.views_x));
-  f.aperture_width = p.get_float("aperture_width", 1),
-  f.aperture_height = p.get_float("aperture_height", f.aperture_width);
-  f.plane_distance = p.get_float("plane_distance", 1), f.field_width = p.get_float("field_width", 1);
+  f.axes = light_field_axes(loaded.scene->sensor().properties(), film.width(), film.height());
   RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
   run_to_end(job);
   f.mosaic = job.state().picture();
+  meanings = channels_attribute(film.channel_names(), film.channel_meanings());
   return f;
 }
 
@@ -58,6 +53,12 @@ Image colors_of_view(const Image& picture) {
       for (const std::string& name : colors.channels)
         colors.pixels.push_back(picture.at(x, y, is_colored ? std::size_t(picture.channel(name)) : 0));
   return colors;
+}
+
+void write_view(const std::filesystem::path& file, const Image& picture, const std::string& meanings) {
+  ExrAttributes attributes;
+  if (!meanings.empty()) attributes.strings[kChannelsAttribute] = meanings;
+  write_exr(file, picture, ExrPixel::float32, attributes);
 }
 
 int lightfield(const LightFieldArguments& a) {
@@ -83,30 +84,33 @@ int lightfield(const LightFieldArguments& a) {
   if (is_scene) require_writable(field_file);
 
   LightField field;
+  std::string meanings;
   if (is_scene) {
-    field = field_of_scene(a);
+    field = field_of_scene(a, meanings);
     ExrAttributes attributes;
-    attributes.strings[kAxesAttribute] = light_field_axes(field);
+    attributes.strings[kChannelsAttribute] = meanings;
+    attributes.strings[kLightFieldAttribute] = field.axes.text();
     write_exr(field_file, field.mosaic, ExrPixel::float32, attributes);
   } else {
     ExrAttributes attributes;
     Image picture = read_picture(a.target, &attributes);
-    const auto found = attributes.strings.find(kAxesAttribute);
+    const auto found = attributes.strings.find(kLightFieldAttribute);
+    meanings = attributes.strings[kChannelsAttribute];
     field =
         light_field_of(std::move(picture), found == attributes.strings.end() ? "" : found->second, a.target);
   }
-  const double focus = a.focus.empty() ? field.plane_distance : a.focus[0];
+  const double focus = a.focus.empty() ? field.axes.plane_distance : a.focus[0];
   const double x = a.at.empty() ? 0 : a.at[0], y = a.at.empty() ? 0 : a.at[1];
-  if (2 * std::abs(x) > field.aperture_width || 2 * std::abs(y) > field.aperture_height)
+  if (2 * std::abs(x) > field.axes.aperture_width || 2 * std::abs(y) > field.axes.aperture_height)
     throw Error(fmt::format("--at {:g},{:g}: lies outside of the light field, which reaches to {:g},{:g}", x,
-                            y, 0.5 * field.aperture_width, 0.5 * field.aperture_height));
+                            y, 0.5 * field.axes.aperture_width, 0.5 * field.axes.aperture_height));
   const Image picture = light_field_picture(field, x, y, a.diameter, focus);
   if (output.extension() == ".exr")
-    write_exr(output, picture, ExrPixel::float32, {});
+    write_view(output, picture, meanings);
   else
     write_png(output, display_picture(colors_of_view(picture)));
   if (!a.quiet) {
-    fmt::print("{}\n", light_field_axes(field));
+    fmt::print("{}\n", field.axes.text());
     if (is_scene) fmt::print("{}\n", field_file.string());
     fmt::print("{}\n", output.string());
   }
@@ -135,6 +139,7 @@ std::function<int()> declare_lightfield(CommandOptions& options) {
   options.add("--focus", a->focus, "distance of the plane in focus (default: that of the plane (u, v))")
       .takes(1);
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores)");

@@ -2,17 +2,15 @@
 #include "measured_scene.h"
 
 #include "aureole/core/error.h"
-#include "command.h"
 #include "interruption.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 
 LoadedScene load_measured_scene(const std::string& file, const std::vector<std::string>& defines,
                                 bool is_quiet) {
-  LoadOptions load;
-  load.defines = split_defines(defines);
-  LoadedScene loaded = load_scene(file, load);
+  LoadedScene loaded = load_scene(file, load_options(defines));
   if (!is_quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   return loaded;

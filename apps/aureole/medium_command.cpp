@@ -20,6 +20,7 @@
 #include "aureole/spectrum/observer.h"
 #include "command.h"
 #include "messages.h"
+#include "scene_loading.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -97,8 +98,7 @@ int medium(const MediumOptions& o) {
   if (!(length_squared(along) > 0)) throw Error("--along: the direction has no length");
   const Vec3 d = normalize(along);
   const auto [file, id] = file_and_id(o.target);
-  LoadOptions load;
-  load.defines = split_defines(o.defines);
+  LoadOptions load = load_options(o.defines);
   const LoadedObjects loaded = [&] {
     TableProgressLine line(false);
     load.progress = [&](const std::string& object, double part) { line.show(object, part); };
@@ -141,6 +141,7 @@ std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<MediumOptions>();
   options.add("target", o->target, "scene.xml#id: id of a medium; without one, the only medium").required();
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options
       .add("--step", o->step,
            "largest step between wavelengths in nm (default 25, or a hundredth of the range if that is more)")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "package_command.h"
 
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -26,18 +28,44 @@ except ImportError as e:
 sys.exit(main())
 )py";
 
+/// The words of a process, as execvp takes them.
+class ProcessWords {
+public:
+  ProcessWords(const std::string& module, const std::vector<std::string>& words)
+      : all_{"python3", "-c", kProgram, module} {
+    all_.insert(all_.end(), words.begin(), words.end());
+    for (std::string& word : all_) pointers_.push_back(word.data());
+    pointers_.push_back(nullptr);
+  }
+  char* const* get() const { return pointers_.data(); }
+
+private:
+  std::vector<std::string> all_;
+  std::vector<char*> pointers_;
+};
+
 int run_package(const std::string& module, const std::vector<std::string>& words) {
-  std::vector<std::string> all{"python3", "-c", kProgram, module};
-  all.insert(all.end(), words.begin(), words.end());
-  std::vector<char*> arguments;
-  for (std::string& word : all) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  const ProcessWords arguments(module, words);
   std::signal(SIGPIPE, SIG_DFL);
-  execvp(arguments[0], arguments.data());
+  execvp(arguments.get()[0], arguments.get());
   throw Error(std::string("this command needs Python: python3 cannot be started: ") + std::strerror(errno));
 }
 
 }  // namespace
+
+int run_in_package(const std::string& module, const std::vector<std::string>& words) {
+  const ProcessWords arguments(module, words);
+  pid_t child = 0;
+  if (const int problem =
+          posix_spawnp(&child, arguments.get()[0], nullptr, nullptr, arguments.get(), environ);
+      problem != 0)
+    throw Error(std::string("this command needs Python: python3 cannot be started: ") +
+                std::strerror(problem));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
 
 std::function<int()> declare_package_command(CommandOptions& options, const std::string& module) {
   auto words = std::make_shared<std::vector<std::string>>();

@@ -16,6 +16,7 @@
 #include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -63,8 +64,7 @@ MapOfScene map_of_picture(const PhotometryArguments& a) {
   MapOfScene result{
       photometric_map(picture, found == attributes.strings.end() ? "" : found->second, a.target), nullptr};
   if (a.scene.empty()) return result;
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
+  LoadOptions load = load_options(a.defines);
   result.scene = load_scene(a.scene, load).scene;
   const Film& film = result.scene->film();
   if (film.width() != picture.width || film.height() != picture.height)
@@ -164,6 +164,10 @@ int photometry(const PhotometryArguments& a) {
                fmt::format("{},{},{},{}", r.x, r.y, r.width, r.height), st.mean, st.min, st.median, st.max,
                st.uniformity(), st.diversity());
   }
+  if (is_unit_of_flux(map.unit))
+    for (std::size_t i = 0; i < regions.size(); ++i)
+      fmt::print("{} through {},{},{},{}: {:.6g} {}\n", map.quantity, regions[i].x, regions[i].y,
+                 regions[i].width, regions[i].height, statistics[i].sum, map.unit);
   if (statistics.size() == 2 && statistics[1].mean > 0) {
     const double first = statistics[0].mean, second = statistics[1].mean;
     fmt::print("contrast of the first region against the second: {:.4f} (Weber), {:.4f} (Michelson)\n",
@@ -188,6 +192,7 @@ std::function<int()> declare_photometry(CommandOptions& options) {
       "-o,--output", a->output,
       "false-colour .png (default: the target's name with _photometry.png); a scene's .exr lies beside it");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--scene", a->scene, "scene of a picture, for --glare and --daylight");
   options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");

@@ -19,6 +19,7 @@
 #include "command.h"
 #include "messages.h"
 #include "picture_file.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -115,6 +116,7 @@ int powermap(const Arguments& a) {
   PowerMapSettings settings = a.settings;
   settings.defines = split_defines(a.defines);
   if (a.max_depth != kNotGiven) settings.max_depth = a.max_depth;
+  settings.tables = table_cache();
   const LoadedScene loaded = load_power_map(settings);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
@@ -179,6 +181,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("-o,--output", a->output,
               "output .exr (default: the scene's name, in the working folder), with a .png of the same name");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores); the map does not depend on it");
@@ -193,6 +196,12 @@ std::function<int()> declare(CommandOptions& options) {
           "--diffraction-model", a->settings.diffraction_model,
           "how edges diffract, beams or segments; segments selects the integrator path unless --integrator is given")
       .one_of({"beams", "segments"});
+  options
+      .add(
+          "--polarisation", a->settings.polarisation,
+          "of light that edges diffract, with the model segments: soft (electric field along each edge), hard, both "
+          "(their mean power) or none")
+      .one_of({"none", "soft", "hard", "both"});
   options
       .add(
           "--plane", a->settings.plane,

@@ -18,10 +18,13 @@
 #include "aureole/instrument/picture/tev_viewer.h"
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
+#include "aureole/render/plan.h"
 #include "aureole/render/sample_density.h"
 #include "command.h"
 #include "messages.h"
+#include "package_command.h"
 #include "picture_file.h"
+#include "scene_loading.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -48,7 +51,7 @@ struct Arguments {
   std::int64_t spp = -1, seed = -1;
   int threads = 0, replicates = 1;
   double time_s = 0, checkpoint_s = 30;
-  bool resume = false, restart = false, preview = false, quiet = false;
+  bool resume = false, restart = false, preview = false, quiet = false, denoise = false;
 };
 
 /// Parses "A:B" to two integers.
@@ -214,6 +217,10 @@ void check_numbers(const Arguments& a) {
     throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
   a.tone();
+  if (a.denoise && !a.pixel.empty()) throw Error("give either --denoise or --pixel");
+  if (a.denoise && !a.samples.empty())
+    throw Error(
+        "--denoise: --samples renders a part; merge the parts, then aureole denoise removes the noise");
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 }
 
@@ -356,6 +363,27 @@ WrittenFile write_results(const Arguments& a, const std::filesystem::path& outpu
   return written;
 }
 
+constexpr const char* kDenoiseModule = "_denoise_command";
+
+/// Throws Error before anything is rendered if the picture could not be denoised.
+void require_denoiser(const std::filesystem::path& output) {
+  if (output.extension() != ".exr")
+    throw Error("-o " + output.string() +
+                ": with --denoise the output is an .exr, which keeps both pictures");
+  if (run_in_package(kDenoiseModule, {"--check"}) != 0)
+    throw Error(
+        "--denoise: aureole's Python package and Open Image Denoise are needed: pip install 'aureole[denoise]'");
+}
+
+/// Replaces a picture by the one without noise, which keeps the noisy one as a layer. Returns the exit code.
+int denoise_picture(const Arguments& a, const std::filesystem::path& file) {
+  std::vector<std::string> words{file.string(), "-o", file.string(), "-q"};
+  if (!a.tonemap.empty()) words.insert(words.end(), {"--tonemap", a.tonemap});
+  if (run_in_package(kDenoiseModule, words) == 0) return 0;
+  tell("error: the picture is not denoised: {} is the noisy one\n", file.string());
+  return 1;
+}
+
 /// Prints how the job ended and returns the exit code.
 int report(const Arguments& a, const std::filesystem::path& output, const RenderJob& job,
            RenderJob::Outcome outcome) {
@@ -363,6 +391,7 @@ int report(const Arguments& a, const std::filesystem::path& output, const Render
   print_invalid_samples(job);
   if (!a.quiet) {
     print_speed(state);
+    for (const std::string& text : state.approximations) tell("error of {}\n", text);
     fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
   }
   if (state.invalid_samples > 0 && state.invalid_samples >= std::uint64_t(state.samples_everywhere()) *
@@ -392,8 +421,8 @@ int render(const Arguments& a) {
   std::optional<OutputLock> lock;
   if (!output.empty()) require_output(a, output, lock);
   RenderOptions options = render_options(a);
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
+  LoadOptions load = load_options(a.defines);
+  load.for_denoising = a.denoise;
   load.sampler = a.sampler;
   load.integrator = a.integrator;
   const LoadedScene loaded = [&] {
@@ -407,9 +436,16 @@ int render(const Arguments& a) {
   }
   options.state_file = std::filesystem::path(output).replace_extension(".state");
   if (!a.quiet) print_notes(loaded);
+  if (a.denoise) {
+    require_denoiser(output);
+    divide_for_denoising(loaded, options);
+    if (!a.quiet && options.replicates > a.replicates)
+      tell("note: {} samples per pixel are divided among {} replicates for denoising\n",
+           *options.end * options.replicates, options.replicates);
+  }
   RenderJob job(loaded, options);
   note_missing_threads(a);
-  require_format(job.state().development, a.replicates, output);
+  require_format(job.state().development, options.replicates, output);
   if (!a.pixel.empty()) return replay_pixel(job, loaded.scene->film(), a, options);
 
   take_up(a, options.state_file, job);
@@ -420,7 +456,8 @@ int render(const Arguments& a) {
   }
   const WrittenFile written = write_results(a, output, job.state());
   if (written.problem.empty()) job.remove_state();
-  const int code = report(a, written.file, job, outcome);
+  int code = report(a, written.file, job, outcome);
+  if (a.denoise && code == 0) code = denoise_picture(a, written.file);
   return written.problem.empty() ? code : 1;
 }
 
@@ -430,6 +467,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("-o,--output", a->output,
               "output .exr, .hdr or .pfm (default: the scene's name, in the working folder)");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores); the picture does not depend on it");
@@ -438,6 +476,10 @@ std::function<int()> declare(CommandOptions& options) {
               "render only samples A:B of the picture, for merging; A must be a multiple of 16");
   options.add("--replicates", a->replicates,
               "number of independently scrambled pictures; stores their mean and its variance");
+  options.add(
+      "--denoise", a->denoise,
+      "remove noise by Open Image Denoise (Python package): box filter, features and variance are rendered "
+      "with the picture, and the EXR keeps the noisy one, too");
   options.add("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
   options
       .add("--adaptive", a->adaptive,

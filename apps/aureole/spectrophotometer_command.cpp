@@ -20,6 +20,7 @@
 #include "interruption.h"
 #include "laboratory_options.h"
 #include "messages.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -61,6 +62,7 @@ nlohmann::json spectrum_json(const SpectrophotometerOptions& o, const MeasuredSp
                         {"values", m.values},     {"uncertainty", nlohmann::json::object()}};
   for (const auto& cause : m.causes) out["uncertainty"][cause.name] = cause.errors;
   for (std::size_t i = 0; i < m.nm.size(); ++i) out["standard_uncertainty"].push_back(m.error(i));
+  if (!m.edge_loss.empty()) out["predicted_edge_loss"] = m.edge_loss;
   return out;
 }
 
@@ -96,15 +98,8 @@ int spectrophotometer(SpectrophotometerOptions o) {
   double thickness = 0;
   set_length("--thickness", o.thickness, thickness);
   if (!o.thickness.empty() && !(thickness > 0)) throw Error("--thickness: must be positive");
-  check_range(o.range);
-  const std::size_t mark = o.target.rfind('#');
-  if (mark == o.target.npos)
-    throw Error({o.target, 0, 0},
-                "name a material of the scene as scene.xml#id, the id of a BSDF or a shape");
-  LoadOptions load;
-  load.defines = split_defines(o.defines);
-  const LoadedSpecimen loaded =
-      load_specimen(o.target.substr(0, mark), o.target.substr(mark + 1), load, thickness);
+  LoadOptions load = load_options(o.defines);
+  const LoadedSpecimen loaded = load_specimen_called(o.target, load, thickness);
   if (!o.is_quiet)
     for (const std::string& note : loaded.notes) tell("note: {}\n", note);
   if (!o.monochromator.empty())
@@ -115,11 +110,7 @@ int spectrophotometer(SpectrophotometerOptions o) {
   const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
   nlohmann::json out;
   if (o.haze > 0 || !o.gloss.empty()) {
-    std::vector<double> weights;
-    double sum = 0;
-    const pigment::Observation observer = observe("C", bands.nm);
-    for (const pigment::Xyz& w : observer.weights()) weights.push_back(w[1]), sum += w[1];
-    for (double& w : weights) w /= sum;
+    const std::vector<double> weights = luminance_weights(bands.nm);
     for (const double angle : o.gloss) {
       const Ratio g = measure_gloss(bench, loaded.specimen, angle, s, weights);
       fmt::print("gloss at {:g} degrees: {:.2f} units, standard error {:.2f}\n", angle, g.value, g.error);
@@ -142,7 +133,7 @@ int spectrophotometer(SpectrophotometerOptions o) {
   if (!o.is_quiet) print_spectrum(o, m);
   pigment::SampleTable table{m.nm, {}};
   pigment::Sample& sample = table.samples.emplace_back();
-  sample.name = o.name.empty() ? o.target.substr(mark + 1) : o.name;
+  sample.name = o.name.empty() ? loaded.specimen.name : o.name;
   sample.paints = {{sample.name, 1}};
   if (o.transmission) sample.quantity = pigment::Sample::Quantity::transmittance;
   sample.values = m.values;
@@ -170,6 +161,8 @@ std::function<int()> declare_spectrophotometer(CommandOptions& options) {
       .add("--method", o->method,
            "substitution, comparison (default; both in the sphere at once) or absolute")
       .one_of({"substitution", "comparison", "absolute"});
+  options.add("--pooled", s.is_pooled,
+              "a traced sphere's departure from theory is fitted over the wavelengths: less noise");
   options.add("--theory", o->theory, "the sphere in closed form: faster, without its uneven light");
   options.add("--range", o->range, "first and last wavelength in nm (default 400,700)")
       .separated_by(',')
@@ -220,6 +213,7 @@ std::function<int()> declare_spectrophotometer(CommandOptions& options) {
   options.add("--seed", o->trace.seed, "seed of the paths and of the noise").shows_default();
   options.add("--threads", o->trace.threads, "threads (default: all cores)");
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  add_cache_option(options);
   options.add("-o,--output", o->outputs, "write this .csv, .cxf (CxF 3) or .cgats file; may be repeated")
       .takes_each_time(1);
   options.add("--name", o->name, "name of the sample in files (default: the id)");

@@ -1,168 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 // aureole spectroradiometer: a lamp, or pixels of a spectral picture, as an array spectroradiometer reads it.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "aureole/core/error.h"
-#include "aureole/core/image.h"
 #include "aureole/core/output_file.h"
-#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/photometry/array_reading.h"
 #include "aureole/instrument/report/svg_plot.h"
-#include "aureole/optics/photometry/spectroradiometer.h"
-#include "aureole/pigment/colour_spaces.h"
-#include "aureole/pigment/text_table.h"
-#include "aureole/spectrum/tables.h"
 #include "command.h"
 #include "messages.h"
 
 namespace aureole {
 namespace {
 
-struct SpectroradiometerOptions {
-  std::string target, output, json, plot;
-  std::vector<double> pixel, region, range{350, 850}, lines;
-  optics::ArraySpectrograph array;
-  int deconvolution = 0;
-  std::uint64_t seed = 0;
-  bool keep_stray = false, is_quiet = false;
+struct SpectroradiometerOptions : ArrayReadingSettings {
+  std::string output, json, plot;
+  std::vector<double> range{350, 850};
+  bool is_quiet = false;
 };
 
-/// Lines of mercury and argon, as calibration lamps have them, in air [nm] (NIST Atomic Spectra Database).
-const std::vector<double> kMercuryArgon{404.656, 435.833, 546.074, 696.543, 738.398, 763.511, 811.531};
-
-/// The mean spectral radiance of a part of a spectral picture.
-LampPower picture_spectrum(const SpectroradiometerOptions& o) {
-  const Image image = read_image(o.target);
-  std::vector<std::pair<double, std::size_t>> bins;
-  for (std::size_t c = 0; c < image.channels.size(); ++c) {
-    std::string name = image.channels[c];
-    if (!name.starts_with("S0.") || !name.ends_with("nm")) continue;
-    name = name.substr(3, name.size() - 5);
-    std::replace(name.begin(), name.end(), ',', '.');
-    if (const auto nm = pigment::finite_number(name)) bins.emplace_back(*nm, c);
-  }
-  if (bins.size() < 2)
-    throw Error(
-        {o.target, 0, 0},
-        "is no spectral picture: channels such as S0.550,00nm are expected (film specfilm with bins)");
-  std::sort(bins.begin(), bins.end());
-  int x0 = 0, y0 = 0, x1 = image.width, y1 = image.height;
-  if (!o.pixel.empty()) {
-    x0 = int(o.pixel[0]), y0 = int(o.pixel[1]), x1 = x0 + 1, y1 = y0 + 1;
-  } else if (!o.region.empty()) {
-    x0 = int(o.region[0]), y0 = int(o.region[1]), x1 = x0 + int(o.region[2]), y1 = y0 + int(o.region[3]);
-  }
-  if (!(x0 >= 0 && y0 >= 0 && x1 > x0 && y1 > y0 && x1 <= image.width && y1 <= image.height))
-    throw Error({o.target, 0, 0},
-                fmt::format("the picture has {} x {} pixels; {},{} to {},{} is not within it", image.width,
-                            image.height, x0, y0, x1 - 1, y1 - 1));
-  LampPower s;
-  for (const auto& [nm, c] : bins) {
-    double sum = 0;
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) sum += double(image.at(x, y, c));
-    s.nm.push_back(nm), s.power.push_back(std::max(0.0, sum / (double(x1 - x0) * double(y1 - y0))));
-  }
-  return s;
-}
-
 int spectroradiometer(SpectroradiometerOptions o) {
-  optics::ArraySpectrograph& a = o.array;
-  a.first_nm = o.range[0], a.last_nm = o.range[1];
-  try {
-    check(a);
-  } catch (const std::domain_error& e) {
-    throw Error(e.what());
-  }
-  const bool is_picture = std::filesystem::path(o.target).extension() == ".exr";
-  if (!is_picture && (!o.pixel.empty() || !o.region.empty()))
-    tell("note: --pixel and --region have no effect on a lamp\n");
-  const LampPower spectrum = is_picture ? picture_spectrum(o) : lamp_power(o.target);
-  const TabulatedSpectrum table{spectrum.nm, spectrum.power};
-  if (spectrum.nm.front() > a.first_nm || spectrum.nm.back() < a.last_nm)
-    tell("note: {}: is known from {:g} to {:g} nm; beyond these wavelengths it counts as dark\n", o.target,
-         spectrum.nm.front(), spectrum.nm.back());
-  // The scale of wavelengths by a calibration lamp, the responsivity by a lamp of even power.
-  const std::vector<double>& lines = o.lines.empty() ? kMercuryArgon : o.lines;
-  std::vector<double> of_lines(std::size_t(a.pixels));
-  for (const double nm : lines) {
-    const std::vector<double> one = line_signal(a, nm);
-    for (std::size_t i = 0; i < one.size(); ++i) of_lines[i] += one[i];
-  }
-  const double search = std::abs(a.curvature_nm) + 2 * a.slit_nm;
-  for (std::size_t i = 1; i < lines.size(); ++i)
-    if (std::abs(lines[i] - lines[i - 1]) < search)
-      tell("note: lines of {:g} and {:g} nm are nearer than {:g} nm and may be taken for each other\n",
-           lines[i - 1], lines[i], search);
-  optics::WavelengthScale scale;
-  try {
-    scale = optics::calibrate_wavelengths(with_array_noise(a, of_lines, o.seed + 1), lines, a.first_nm,
-                                          a.last_nm, search);
-  } catch (const std::domain_error& e) {
-    throw Error(fmt::format("--lines: {}", e.what()));
-  }
-  std::vector<double> even = with_array_noise(a, array_signal(a, [](double) { return 1.0; }), o.seed + 2);
-  std::vector<double> signal =
-      with_array_noise(a, array_signal(a, [&](double nm) { return table.at(nm); }), o.seed + 3);
-  if (*std::max_element(signal.begin(), signal.end()) <= 0)
-    throw Error({o.target, 0, 0}, fmt::format("has no light from {:g} to {:g} nm", a.first_nm, a.last_nm));
-  if (!o.keep_stray) {
-    const optics::StrayLightMatrix matrix(a);
-    even = matrix.corrected(even), signal = matrix.corrected(signal);
-  }
-  std::vector<double> nm, values, truth;
-  double weighted = 0, all = 0;
-  for (int i = 0; i < a.pixels; ++i) {
-    nm.push_back(scale.nm_at(i));
-    values.push_back(even[std::size_t(i)] > 0 ? signal[std::size_t(i)] / even[std::size_t(i)] : 0);
-  }
-  if (o.deconvolution > 0) values = optics::without_slit(a, values, o.deconvolution);
-  for (std::size_t i = 0; i < nm.size(); ++i) {
-    truth.push_back(table.at(nm[i]));
-    weighted += std::abs(values[i] - truth[i]), all += truth[i];
-  }
-  const auto chromaticity_of = [](const std::vector<double>& at, const std::vector<double>& power) {
-    const auto xyz = cie_tristimulus({at, power});
-    return pigment::chromaticity({xyz[0], xyz[1], xyz[2]});
-  };
-  const pigment::Chromaticity read = chromaticity_of(nm, values),
-                              real = chromaticity_of(spectrum.nm, spectrum.power);
+  o.array.first_nm = o.range[0], o.array.last_nm = o.range[1];
+  const ArrayReading r = read_by_array(o);
+  for (const std::string& note : r.notes) tell("note: {}\n", note);
   if (!o.is_quiet) {
     fmt::print("{}: {} pixels, {:.2f} to {:.2f} nm by {} lines, which are {:.3f} nm off (RMS)\n", o.target,
-               a.pixels, nm.front(), nm.back(), lines.size(), scale.residual_nm);
+               o.array.pixels, r.nm.front(), r.nm.back(), r.lines, r.scale_residual_nm);
     fmt::print(
         "read x {:.5f}  y {:.5f}; the spectrum itself x {:.5f}  y {:.5f}; mean deviation {:.2f} % of the mean\n",
-        read.x, read.y, real.x, real.y, all > 0 ? 100 * weighted / all : 0);
+        r.xy.x, r.xy.y, r.true_xy.x, r.true_xy.y, 100 * r.mean_deviation);
   }
   if (!o.output.empty()) {
     std::string text =
         "# wavelength in nm, spectral power in the unit of the lamp or the picture\nwavelength,power\n";
-    for (std::size_t i = 0; i < nm.size(); ++i)
-      text += fmt::format("{:.3f},{:.6g}\n", nm[i], std::max(values[i], 0.0));
+    for (std::size_t i = 0; i < r.nm.size(); ++i)
+      text += fmt::format("{:.3f},{:.6g}\n", r.nm[i], std::max(r.values[i], 0.0));
     write_file_atomically(o.output, text);
   }
   if (!o.json.empty())
-    write_file_atomically(o.json, nlohmann::json{{"wavelengths_nm", nm},
-                                                 {"values", values},
-                                                 {"xy", {read.x, read.y}},
-                                                 {"true_xy", {real.x, real.y}},
-                                                 {"scale_residual_nm", scale.residual_nm}}
+    write_file_atomically(o.json, nlohmann::json{{"wavelengths_nm", r.nm},
+                                                 {"values", r.values},
+                                                 {"xy", {r.xy.x, r.xy.y}},
+                                                 {"true_xy", {r.true_xy.x, r.true_xy.y}},
+                                                 {"scale_residual_nm", r.scale_residual_nm}}
                                           .dump(1) +
                                       "\n");
   if (!o.plot.empty()) {
     Plot plot{o.target, "wavelength, nm", "spectral power", {}, false};
     PlotSeries measured, itself;
-    measured.x = nm, measured.y = values, measured.label = "read", measured.color = "#2050c0";
-    itself.x = nm, itself.y = truth, itself.label = "the spectrum itself", itself.color = "#c03020";
+    measured.x = r.nm, measured.y = r.values, measured.label = "read", measured.color = "#2050c0";
+    itself.x = r.nm, itself.y = r.truth, itself.label = "the spectrum itself", itself.color = "#c03020";
     plot.series = {itself, measured};
     write_file_atomically(o.plot, svg_plot(plot));
   }

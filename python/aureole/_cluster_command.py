@@ -38,13 +38,14 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     command.add_argument("--store", metavar="URL", help="folder that all reach through fsspec, for the scene's files")
     command.add_argument("--verify", type=float, default=0.0, help="fraction of the parts that a second worker renders again (default 0)")
     command.add_argument("--restart", action="store_true", help="discard the checkpoint of an earlier render")
+    command.add_argument("--cache", help="folder that keeps slow tables for the next start, or off (default: AUREOLE_CACHE, or ~/.cache/aureole)")
     command.add_argument("-q", "--quiet", action="store_true", help="no progress line, no notes")
     arguments = parser.parse_args(words)
     return exit_code_of(_render, arguments, "interrupted; the same command goes on from the checkpoint")
 
 
 def _render(a: Any) -> int:
-    from . import cluster
+    from . import cache, cluster
     from ._scene import load_file
 
     output = a.output or os.path.splitext(os.path.basename(a.scene))[0] + ".exr"
@@ -53,7 +54,9 @@ def _render(a: Any) -> int:
     for name, number in (("--local", a.local), ("--wait", a.wait)):
         if number is not None and not 1 <= number <= 100000:
             raise Error(f"{name} {number}: expected a number of workers from 1 to 100000")
-    defines = defines_of(a.define)
+    defines: dict[str, Any] = dict(defines_of(a.define))
+    if a.cache is not None:
+        cache.use(a.cache)
     scene = load_file(a.scene, **defines)
     if not a.quiet:
         for note in scene.notes:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _aureole, spectrum
 from ._arrays import real, scalar
+from ._bars import LoadBar
 from ._dict import quoteattr
 from ._errors import Error
 from ._plot_support import as_bsdf
@@ -47,7 +48,8 @@ def layer(bsdf: Any, radius: Any, area_fraction: Any, correlation: Any, scattere
     if correlation is not None:
         lines.append(f"<correlation type={quoteattr(correlation)}/>")
     text = f'<scene version="3.0.0"><bsdf type="correlated_scatterers">{"".join(lines)}</bsdf></scene>'
-    made = _aureole.load_object(text, "<layer>", 360.0, 830.0, {})
+    with LoadBar("the layer", shows_time=False):
+        made = _aureole.load_object(text, "<layer>", 360.0, 830.0, {})
     if isinstance(radius, str):
         units = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
         number = radius.strip()

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import importlib
 import xml.etree.ElementTree as ElementTree
-from typing import Any, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +13,10 @@ import numpy.typing as npt
 from ._arrays import flag, integer, shown, text
 from ._errors import Error
 from ._image import Image, _bin_wavelength
-from ._render import Report, render
 from ._scene import Scene, load_string
+
+if TYPE_CHECKING:
+    from ._bars import Report
 
 Floats = npt.NDArray[np.float32]
 _WINDOW = 3  # half the side, in pixels, of the windows in which noise and bias are measured
@@ -29,7 +31,7 @@ def denoise(
     feature_samples: int = 32,
     quality: str = "high",
     keep_clean: bool = True,
-    progress: Union[bool, Report] = False,
+    progress: "Union[bool, Report]" = False,
 ) -> Image:
     """Removes noise from a rendered picture by Open Image Denoise (`pip install aureole[denoise]`).
 
@@ -41,7 +43,8 @@ def denoise(
     scene : Scene, optional
         The scene of the picture: albedos and normals of the first surfaces that are no mirrors or glass are rendered and guide the network.
     albedo, normal : array_like of shape (height, width, 3), optional
-        Such features, noise-free, instead of `scene`.
+        Such features, noise-free, instead of `scene`. Without either, the layers "albedo" and "normal" of the picture guide the network, which
+        ``render(..., denoise=True)`` and ``aureole render --denoise`` write.
     feature_samples : int
         Samples per pixel of the features of `scene`.
     quality : {"high", "balanced", "fast"}
@@ -60,14 +63,13 @@ def denoise(
     ----------
     Afra, "Intel Open Image Denoise", 2019 to 2026. Weights: Zheng, Zhang & Wang, "Ensemble denoising for Monte Carlo renderings", 2021.
     """
-    try:
-        oidn = importlib.import_module("pyoidn")
-    except (ImportError, OSError) as e:
-        raise Error(f"denoising needs Open Image Denoise: pip install pyoidn ({e})") from None
+    oidn = network()
     if not isinstance(image, Image):
         raise TypeError(f"image: expected an Image, got {type(image).__name__}")
     if text("quality", quality) not in ("high", "balanced", "fast"):
         raise Error(f'quality: expected "high", "balanced" or "fast", got {shown(quality)}')
+    if any(c.startswith("noisy.") for c in image.channels):
+        raise Error('image: is denoised already: it has the layer "noisy"')
     groups = _groups(image)
     flag("keep_clean", keep_clean)
     if scene is not None:
@@ -75,6 +77,8 @@ def denoise(
             raise Error("scene: expected either a scene or albedo and normal")
         albedo, normal = features(scene, integer("feature_samples", feature_samples, minimum=1, maximum=2**20), progress=progress)
         albedo, normal = _prefiltered(oidn, albedo, normal, quality)
+    elif albedo is None and normal is None and (own := _own_features(image)) is not None:
+        albedo, normal = _prefiltered(oidn, *own, quality)
     guides = {}
     for name, given in (("albedo", albedo), ("normal", normal)):
         if given is not None:
@@ -95,7 +99,25 @@ def denoise(
             cleaned[..., c] = smooth[..., k]
     used = sorted({c for group in groups for c in group})
     names = [*image.channels, *(f"noisy.{image.channels[c]}" for c in used)]
-    return Image(np.concatenate([cleaned, image.array[..., used]], axis=-1), names)
+    pixels = np.ascontiguousarray(np.concatenate([cleaned, image.array[..., used]], axis=-1), dtype=np.float32)
+    return Image._of(image._picture.edited(pixels, names, f"denoised by Open Image Denoise, quality {quality}"), image._outcome)
+
+
+def network() -> Any:
+    """The module of Open Image Denoise; an Error where it is missing."""
+    try:
+        return importlib.import_module("pyoidn")
+    except (ImportError, OSError) as e:
+        raise Error(f"denoising needs Open Image Denoise: pip install pyoidn ({e})") from None
+
+
+def _own_features(image: Image) -> Optional[Tuple[Floats, Floats]]:
+    """The layers albedo and normal of a picture that was rendered for denoising; None where it has none."""
+    albedo, normal = ["albedo.R", "albedo.G", "albedo.B"], ["normal.X", "normal.Y", "normal.Z"]
+    if not all(c in image.channels for c in (*albedo, *normal)):
+        return None
+    finite = [np.ascontiguousarray(np.nan_to_num(image[c]), dtype=np.float32) for c in (albedo, normal)]
+    return finite[0], finite[1]
 
 
 def _prefiltered(oidn: Any, albedo: Floats, normal: Floats, quality: str) -> Tuple[Floats, Floats]:
@@ -105,8 +127,10 @@ def _prefiltered(oidn: Any, albedo: Floats, normal: Floats, quality: str) -> Tup
     return clean, np.ascontiguousarray(2 * turned - 1, dtype=np.float32)
 
 
-def features(scene: Scene, samples: int = 32, *, progress: Union[bool, Report] = False) -> Tuple[Floats, Floats]:
+def features(scene: Scene, samples: int = 32, *, progress: "Union[bool, Report]" = False) -> Tuple[Floats, Floats]:
     """Albedo and shading normal of the first surface in each pixel that is no mirror or glass, both of shape (height, width, 3): zero where there is none."""
+    from ._render import render
+
     if not isinstance(scene, Scene):
         raise TypeError(f"scene: expected a Scene (from load_file, load_string or load_dict), got {type(scene).__name__}")
     root = ElementTree.fromstring(scene.xml())

@@ -21,6 +21,8 @@ _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 #: Entries that state the kind of a dict instead of being a parameter.
 _SPECIAL = ("type", "id", "family")
 _SPECTRUM_TYPES = ("rgb", "spectrum")
+#: A dict of this type has key frames, (time, transform) pairs, under "frames"; it is no plug-in.
+_ANIMATION = "animation"
 _ENTITIES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
 
 
@@ -204,6 +206,9 @@ class Writer:
         if kind in _SPECTRUM_TYPES and "value" in value:
             self.spectrum(kind, label, value, place)
             return
+        if kind == _ANIMATION:
+            self.animation(label, value, place)
+            return
         family = self.family(kind, value, place, expected)
         if family is None:
             return
@@ -230,6 +235,38 @@ class Writer:
             else:
                 self.entry(key, child, f"{place}.{key}", parameter[0] if parameter else None)
         self.line(place, f"</{family}>")
+
+    def animation(self, label: str, value: Mapping[str, Any], place: str) -> None:
+        """Key frames: `<animation>` with a `<transform time="...">` for each."""
+        extra = [k for k in value if k not in ("type", "frames")]
+        frames = value.get("frames")
+        if extra or not isinstance(frames, (list, tuple)) or not frames:
+            self.problem(place, f'a dict of type "{_ANIMATION}" has no entry {shown(extra[0])}' if extra else
+                         'expected "frames", a list of (time in s, transform) pairs')
+            return
+        lines = []
+        for i, frame in enumerate(frames):
+            at = f"{place}.frames[{i}]"
+            if not isinstance(frame, (list, tuple)) or len(frame) != 2:
+                self.problem(at, f"expected a pair of a time in s and a transform, got {shown(frame)}")
+                return
+            time, transform = frame
+            if isinstance(time, (bool, np.bool_)) or not isinstance(time, (int, float, np.integer, np.floating)) or not math.isfinite(time):
+                self.problem(at, f"expected a time in s, got {shown(time)}")
+                return
+            matrix = getattr(transform, "matrix", transform)
+            try:
+                numbers = np.asarray(matrix, dtype=np.float64)
+            except (TypeError, ValueError, OverflowError, RecursionError):
+                numbers = np.empty(0)
+            if numbers.shape != (4, 4):
+                self.problem(at, f"expected a Transform or a matrix of 4 x 4 numbers, got {shown(transform)}")
+                return
+            lines.append((at, f'<transform time="{_number(float(time))}"><matrix value="{_numbers(numbers.ravel())}"/></transform>'))
+        self.line(place, f"<animation{label}>")
+        for at, line in lines:
+            self.line(at, line)
+        self.line(place, "</animation>")
 
     def spectrum(self, kind: str, label: str, value: Mapping[str, Any], place: str) -> None:
         known = ("type", "value", "id") + (("unit",) if kind == "spectrum" else ())

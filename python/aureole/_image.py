@@ -105,6 +105,12 @@ class Image:
         return self._all[..., self._own:] if self._own < len(self._names) else None
 
     @property
+    def meanings(self) -> Dict[str, str]:
+        """The quantity of each channel with its unit, as the header of an EXR says it: {"Y": "illuminance, lx"}; empty where that is
+        not known."""
+        return dict(self._picture.meanings)
+
+    @property
     def notes(self) -> List[str]:
         """Notes on how the file was read where that is not obvious: primaries that were converted, pages that were
         left out, ..."""

@@ -5,12 +5,16 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, List, Mapping, Sequence, Tuple, Union
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Union
 
-from ._arrays import file_path, text
+import numpy as np
+
+from . import _aureole
+from ._arrays import file_path, integer, shown, text
 from ._errors import Error
 from ._image import Image, read_image
-from ._scene import _defines
+from ._render import render
+from ._scene import Scene, _defines
 from ._wording import python_names
 
 Length = Union[float, str]
@@ -58,3 +62,45 @@ def picture_of(name: str, value: Picture) -> "Tuple[Image, str]":
         tell(image.notes)
         return image, str(value)
     raise TypeError(f"{name}: expected an Image or a path, got {type(value).__name__}")
+
+
+def regions_of(value: Any) -> List[List[int]]:
+    """The argument `regions`: rows of x, y, width and height in pixels."""
+    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, (Sequence, np.ndarray)):
+        raise TypeError(f"regions: expected rows of x, y, width and height, got {type(value).__name__}")
+    rows = []
+    for row in value:
+        if isinstance(row, (str, bytes)) or not isinstance(row, (Sequence, np.ndarray)) or len(row) != 4:
+            raise Error(f"regions: expected x, y, width and height, got {shown(row)}")
+        rows.append([integer("regions", v, minimum=0, maximum=2**20) for v in row])
+    return rows
+
+
+def is_scene_file(path: str) -> bool:
+    return path.lower().endswith(".xml")
+
+
+def rendered_or_read(name: str, target: Any, defines: Any, check: Callable[[Scene], Any], options: Mapping[str, Any]) -> "Tuple[Image, str, Optional[Scene]]":
+    """The picture of a Scene or of the file of one, which is rendered with `options` once `check` has passed it; or an Image
+    or its file. Returns its name for messages and the scene, too."""
+    if isinstance(target, (str, os.PathLike)) and is_scene_file(file_path(name, target)):
+        opened = Scene(_aureole.OpenScene.load_file(file_path(name, target), defines_of(defines), {}, "", ""))
+        tell(opened.notes)
+        called = str(target)
+    elif isinstance(target, Scene):
+        if defines is not None:
+            raise Error("defines: expected the path of a scene, not a Scene")
+        opened, called = target, name
+    else:
+        if defines is not None:
+            raise Error("defines: expected the path of a scene, not a picture")
+        for option in ("spp", "seed"):
+            if options.get(option) is not None:
+                raise Error(f"{option}: is for a scene, which is rendered; a picture is done")
+        return (*picture_of(name, target), None)
+    with Words():
+        check(opened)
+    image = render(opened, **options)
+    if not image.complete:
+        raise Error("the render was interrupted before all samples were done")
+    return image, called, opened

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from . import _aureole
 from ._arrays import file_path, integer, real, scalar, shown, text
+from ._bars import LoadBar
 from ._errors import Error
 from ._instrument_support import Angle, Length, Words, axes_or_new, defines_of, tell
 from ._results import Table
@@ -137,7 +138,7 @@ def layer(
     degrees = (
         scalar("angle", angle, minimum=0, maximum=180, unit="degrees")
         if not isinstance(angle, str)
-        else angle_deg("angle", angle, maximum=180)
+        else angle_deg("angle", angle, maximum=180, example="45deg")
     )
     uv = real("at", at)
     if uv.shape != (2,):
@@ -153,7 +154,8 @@ def layer(
     )
     with Words():
         if isinstance(target, (str, os.PathLike)):
-            found = _aureole.layer_of_file(file_path("target", target), defines_of(defines), *numbers)
+            with LoadBar(os.path.basename(target)):
+                found = _aureole.layer_of_file(file_path("target", target), defines_of(defines), *numbers)
         else:
             from ._plot_support import as_bsdf
 
@@ -308,7 +310,8 @@ def medium(
     options = (scalar("step", step, minimum=0, maximum=1e9, unit="nm"), metres, tuple(point.tolist()), tuple(direction.tolist()))
     with Words():
         if isinstance(target, (str, os.PathLike)):
-            found = _aureole.medium_of_file(file_path("target", target), defines_of(defines), *options)
+            with LoadBar(os.path.basename(target)):
+                found = _aureole.medium_of_file(file_path("target", target), defines_of(defines), *options)
         elif isinstance(target, _aureole.Medium):
             found = _aureole.medium(target, *options)
         else:

@@ -13,10 +13,11 @@ import numpy.typing as npt
 
 from . import _aureole
 from ._arrays import file_path, flag, integer, real, scalar, text
+from ._bars import LoadBar, Report
 from ._errors import Error
 from ._image import Image
 from ._instrument_support import Words, defines_of
-from ._render import Report, render
+from ._render import render
 from ._results import Table
 from ._scene import Scene
 from ._wording import python_names
@@ -124,6 +125,7 @@ def powermap(
     max_depth: Optional[int] = None,
     diffraction: bool = False,
     diffraction_model: str = "",
+    polarisation: str = "",
     plane: Optional[Sequence[float]] = None,
     size: Optional[Sequence[float]] = None,
     normal: Optional[Sequence[float]] = None,
@@ -147,6 +149,8 @@ def powermap(
         Of all emitters in the band, in W or with its unit ("500mW", "33dBm"); by default the scene's.
     integrator, max_depth, diffraction, diffraction_model
         Of a path: replace the scene's integrator or its parameters; edges diffract ("beams", "segments").
+    polarisation : str
+        Of light that edges diffract, with "segments": "none", "soft", "hard" or "both"; by default the scene's.
     plane, normal : (float, float, float), optional
         Centre and normal (by default z) of a map on a plane, instead of the scene's sensor. BSDFs with ids such as
         mat-itu_concrete become slabs of that material.
@@ -172,7 +176,20 @@ def powermap(
     if client is not None and image is not None:
         raise Error("image: expected either a picture or a client that renders one")
     opened = _opened(
-        scene, integrator, max_depth, diffraction, diffraction_model, plane, normal, size, transmitters, frequency, cell, defines
+        scene,
+        integrator,
+        max_depth,
+        diffraction,
+        diffraction_model,
+        polarisation,
+        plane,
+        normal,
+        size,
+        transmitters,
+        frequency,
+        cell,
+        defines,
+        progress is not False,
     )
     watts = (
         ""
@@ -239,6 +256,7 @@ def _opened(
     max_depth: Optional[int],
     diffraction: bool,
     diffraction_model: str,
+    polarisation: str,
     plane: Any,
     normal: Any,
     size: Any,
@@ -246,6 +264,7 @@ def _opened(
     frequency: str,
     cell: float,
     defines: Optional[Mapping[str, Any]],
+    shows_progress: bool,
 ) -> Scene:
     lists = {}
     for name, value, count in (("plane", plane, 3), ("normal", normal, 3), ("size", size, 2)):
@@ -259,12 +278,16 @@ def _opened(
     model = text("diffraction_model", diffraction_model)
     if model not in ("", "beams", "segments"):
         raise Error(f'diffraction_model: expected "beams" or "segments", got {model!r}')
+    of_field = text("polarisation", polarisation)
+    if of_field not in ("", "none", "soft", "hard", "both"):
+        raise Error(f'polarisation: expected "none", "soft", "hard" or "both", got {of_field!r}')
     depth = None if max_depth is None else integer("max_depth", max_depth, minimum=-1, maximum=2**31 - 1)
     options = (
         text("integrator", integrator),
         depth,
         flag("diffraction", diffraction),
         model,
+        of_field,
         lists["plane"],
         lists["normal"],
         lists["size"],
@@ -278,7 +301,7 @@ def _opened(
         return scene
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"scene: expected a Scene or a path, got {type(scene).__name__}")
-    with Words():
+    with Words(), LoadBar(os.path.basename(scene), shows_progress):
         opened, notes = _aureole.load_power_map(file_path("scene", scene), defines_of(defines), *options)
     result = Scene(opened)
     for note in [*result.notes, *notes]:

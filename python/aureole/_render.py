@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Callable, Iterator, Optional, Union
+from typing import Iterator, Optional, Union
 
-from . import _aureole
-from ._arrays import integer, scalar
+from . import _aureole, _denoise
+from ._arrays import flag, integer, scalar
+from ._bars import RenderBar, Report
 from ._errors import Error
 from ._image import Image
 from ._scene import Scene
 
-#: Called with the units of work done, all of them, seconds so far and samples per second.
-Report = Callable[[int, int, float, float], None]
 _BLOCK = 16  # samples of a unit of work; refinements consist of whole units
 
 
@@ -22,7 +21,7 @@ class InterruptedWarning(UserWarning):
 
 def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = None, threads: int = 0, time: float = 0.0,
            replicates: int = 1, adaptive: Optional[str] = None, progress: Union[bool, Report] = True,
-           start: Optional[Image] = None) -> Image:
+           start: Optional[Image] = None, denoise: bool = False) -> Image:
     """Renders a picture: the same bits as the command line's for the same scene, samples and seed.
 
     Ctrl-C stops the render and returns the unfinished picture (`Image.complete` is then False, and an `InterruptedWarning` is
@@ -49,6 +48,10 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
         A bar in terminals and notebooks, or a function of (units done, units, seconds, samples per second).
     start : Image, optional
         A picture of the same scene and seed that is continued: only missing samples are rendered.
+    denoise : bool
+        Removes noise by Open Image Denoise (`aureole.denoise`). The film gets a box filter, albedos and normals of the first surfaces that are
+        no mirrors or glass are rendered with the picture, and without `replicates` the samples are divided among 2 to 4 of them. The image
+        keeps the noisy channels as the layer "noisy", and the features.
 
     Returns
     -------
@@ -65,15 +68,21 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
     limit = scalar("time", time, minimum=0)
     if adaptive is not None and not isinstance(adaptive, str):
         raise TypeError(f"adaptive: expected a string, got {type(adaptive).__name__}")
+    if flag("denoise", denoise):
+        if start is not None:
+            raise Error("start: a picture that is denoised can't be continued")
+        _denoise.network()
     if start is not None and not isinstance(start, Image):
         raise TypeError(f"start: expected an Image, got {type(start).__name__}")
-    with _Bar(progress) as report:
+    with RenderBar(progress) as report:
         try:
             picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit, adaptive,
-                                               start._picture if start is not None else None, report)
+                                               start._picture if start is not None else None, report, None, denoise)
         except Error as e:
             raise scene._in_words(e) from None
     image = Image._of(picture, outcome)
+    if denoise and image.complete:
+        return _denoise.denoise(image)
     if outcome == "interrupted":
         part = 100 * float(image.info["part"])
         warnings.warn(f"the render was interrupted at {part:.1f} %: the picture holds what was done "
@@ -123,39 +132,6 @@ def _refinements(scene: Scene, end: int, step: Optional[int], seed: Optional[int
         yield image
         if not image.complete:
             return
-
-
-class _Bar:
-    """A bar while it is entered: tqdm's, which knows terminals and notebooks. `remark` is shown behind the speed."""
-
-    def __init__(self, progress: Union[bool, Report], remark: Optional[Callable[[], str]] = None, unit: str = "tile") -> None:
-        if not isinstance(progress, bool) and not callable(progress):
-            raise TypeError(f"progress: expected True, False or a function, got {type(progress).__name__}")
-        self._progress, self._remark, self._unit = progress, remark, unit
-        self._bar: Any = None
-
-    def __enter__(self) -> Optional[Report]:
-        if not isinstance(self._progress, bool):
-            return self._progress
-        if not self._progress:
-            return None
-        return self._update
-
-    def _update(self, done: int, units: int, seconds: float, rate: float) -> None:
-        if self._bar is None:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a notebook without ipywidgets shows a bar of text without a warning
-                from tqdm.auto import tqdm
-
-            self._bar = tqdm(total=units, unit=self._unit, leave=False, delay=0.5, dynamic_ncols=True)
-        words = [f"{rate * 1e-6:.2f} Msamples/s"] if rate > 0 else []
-        words += [self._remark()] if self._remark is not None else []
-        self._bar.set_postfix_str(", ".join(words), refresh=False)
-        self._bar.update(done - self._bar.n)
-
-    def __exit__(self, *exception: Any) -> None:
-        if self._bar is not None:
-            self._bar.close()
 
 
 __all__ = ["InterruptedWarning", "render", "render_iter"]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _aureole
 from ._dict import SceneText, Transform, object_text, other_families, plugins, relocated_error, relocated_note, scene_text, value_text
 from ._arrays import file_path, real, shown, text as checked_text
+from ._bars import LoadBar, LoadReport
 from ._errors import Error, Problem, SceneError
 from ._wording import in_python
 
@@ -97,12 +98,14 @@ class Scene:
             raise ParameterError(f"nothing is stated at {path!r}")
         self._open.set([(path, "")], {})
 
-    def update(self, changes: "Mapping[str, Any]") -> None:
+    def update(self, changes: "Mapping[str, Any]", *, progress: "Union[bool, LoadReport]" = True) -> None:
         """Several changes at once, with one rebuild.
 
         Parameters
         ----------
         changes : mapping of str to values
+        progress : bool or callable
+            As for `load_file`.
         """
         if not isinstance(changes, Mapping):
             raise TypeError(f"changes: expected a dict of paths and values, got {type(changes).__name__}")
@@ -122,7 +125,8 @@ class Scene:
         if problems:
             raise SceneError(problems)
         try:
-            self._open.set(texts, given)
+            with LoadBar("the scene", progress, shows_time=False):  # a change may come many times in a second
+                self._open.set(texts, given)
         except Error as e:
             error = self._in_words(e)
             raise SceneError([_of_change(p) for p in error.problems]) if isinstance(error, SceneError) else error from None
@@ -260,7 +264,8 @@ def _defines(defines: Mapping[str, Any]) -> List[Tuple[str, str]]:
     return texts
 
 
-def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: str = "", **defines: Any) -> Scene:
+def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: str = "", progress: "Union[bool, LoadReport]" = True,
+              **defines: Any) -> Scene:
     """Loads a scene file (Mitsuba's XML, versions 0.6 to 3).
 
     Parameters
@@ -268,6 +273,9 @@ def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: 
     path : path-like
     integrator, sampler : str, optional
         Plug-ins that replace the scene's, as on the command line.
+    progress : bool or callable
+        A bar where loading takes more than a second, or a function of (name, part): part of the tables of that object that is done, in the
+        range from 0 to 1, or None before.
     **defines
         Values for the $names of the file. A $name that equals the name of an argument ("integrator") takes an
         underscore at its end ("integrator_").
@@ -281,12 +289,14 @@ def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: 
     SceneError
         With every problem of the scene, each with file, line and column.
     """
-    return Scene(_aureole.OpenScene.load_file(file_path("path", path), _defines(defines), {},
-                                              checked_text("integrator", integrator), checked_text("sampler", sampler)))
+    file = file_path("path", path)
+    checked_text("integrator", integrator), checked_text("sampler", sampler)
+    with LoadBar(os.path.basename(file), progress):
+        return Scene(_aureole.OpenScene.load_file(file, _defines(defines), {}, integrator, sampler))
 
 
 def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, integrator: str = "", sampler: str = "",
-                **defines: Any) -> Any:
+                progress: "Union[bool, LoadReport]" = True, **defines: Any) -> Any:
     """Loads a scene, or a single object such as ``<bsdf type="diffuse"/>``, from XML text.
 
     Parameters
@@ -295,7 +305,7 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
     path : path-like, optional
         The file in whose place the text is read: other files are searched for beside it. By default they are searched
         for in the working folder.
-    integrator, sampler, **defines
+    integrator, sampler, progress, **defines
         As for `load_file`.
 
     Returns
@@ -304,19 +314,23 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
     """
     checked_text("text", text), checked_text("integrator", integrator), checked_text("sampler", sampler)
     file = file_path("path", path) if path is not None else _TEXT_FILE
-    if _root_tag(text) in ("scene", ""):
-        return Scene(_aureole.OpenScene.load_string(text, file, _defines(defines), {}, integrator, sampler))
-    return _object(SceneText(f'<scene version="3.0.0">{text}</scene>', [], {}), file, (360.0, 830.0))
+    is_scene = _root_tag(text) in ("scene", "")
+    with LoadBar(os.path.basename(file), progress, shows_time=is_scene):
+        if is_scene:
+            return Scene(_aureole.OpenScene.load_string(text, file, _defines(defines), {}, integrator, sampler))
+        return _object(SceneText(f'<scene version="3.0.0">{text}</scene>', [], {}), file, (360.0, 830.0))
 
 
 def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, integrator: str = "",
-              sampler: str = "", wavelengths: "Tuple[float, float]" = (360.0, 830.0)) -> Any:
+              sampler: str = "", wavelengths: "Tuple[float, float]" = (360.0, 830.0),
+              progress: "Union[bool, LoadReport]" = True) -> Any:
     """Loads a scene, or a single object, from nested dicts as Mitsuba has them.
 
     Each dict has a "type", the name of a plug-in (or "scene", "ref", "rgb", "spectrum"). Other entries are parameters:
     numbers, strings, booleans, three numbers (vectors; colours where a spectrum is expected), spectra ({"type": "spectrum",
     "value": [(400, 0.2), (700, 0.5)]} in nm, another "unit" beside it, or the text of a scene file), `Transform` or matrices of
-    4 x 4, nested dicts, BSDFs written in Python (objects with eval, pdf and sample), and arrays, for the pixels of a
+    4 x 4, key frames ({"type": "animation", "frames": [(0.0, Transform()), (0.02, Transform.rotate([0, 0, 1], 90))]}, times in s),
+    nested dicts, BSDFs written in Python (objects with eval, pdf and sample), and arrays, for the pixels of a
     texture ("bitmap" with "data") or the vertices of a mesh ("mesh" with "vertices" and "faces").
 
     Parameters
@@ -328,6 +342,8 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
         Plug-ins that replace the scene's.
     wavelengths : (float, float)
         Range [nm] for which a single object is made; the sensor of a scene states the range of the scene.
+    progress : bool or callable
+        As for `load_file`.
 
     Returns
     -------
@@ -346,13 +362,15 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     if isinstance(kind, str) and kind == "scene":
         text = scene_text(description)
         try:
-            return Scene(_aureole.OpenScene.load_string(text.text, _DICT_FILE, [], text.given, integrator, sampler), text.places)
+            with LoadBar("the scene", progress, shows_time=False):  # a change may come many times in a second
+                return Scene(_aureole.OpenScene.load_string(text.text, _DICT_FILE, [], text.given, integrator, sampler), text.places)
         except Error as e:
             raise relocated_error(e, _DICT_FILE, text.places) from None
     text = object_text(description, family)
     ends = _range(wavelengths)
     try:
-        return _object(text, _DICT_FILE, ends)
+        with LoadBar(f"the {kind}", progress, shows_time=False):
+            return _object(text, _DICT_FILE, ends)
     except Error as e:
         error = relocated_error(e, _DICT_FILE, text.places)
         found = [] if family is not None or "family" in description else other_families(kind)

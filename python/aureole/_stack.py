@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import real, scalar
+from ._arrays import flag, real, scalar
 from ._errors import Error
 from ._vectorised import choice, limit_results
 
@@ -225,7 +225,7 @@ class PlaneStack:
             Arrays of the stack's shape.
         """
         result = np.empty((self._count, 4))
-        self._stacks.fluxes(_beam(cosine), bool(from_below), result)
+        self._stacks.fluxes(_beam(cosine), flag("from_below", from_below), result)
         r, t, ur, ut = (result[:, k].reshape(self._shape)[()] for k in range(4))
         return StackFluxes(r, t, ur, ut, 1 - r - t)
 
@@ -261,7 +261,7 @@ class PlaneStack:
         except ValueError:
             raise Error(f"depth: expected a shape that fits that of the stack, {self._shape}") from None
         result = np.empty((self._count, mu.size, phi.size))
-        self._stacks.radiance(_beam(cosine), bool(from_below), -1 if layer is None else self._layer("layer", layer), depths.reshape(-1),
+        self._stacks.radiance(_beam(cosine), flag("from_below", from_below), -1 if layer is None else self._layer("layer", layer), depths.reshape(-1),
                               np.ascontiguousarray(mu).reshape(-1), np.ascontiguousarray(phi).reshape(-1), result)
         return result.reshape(self._shape + mu.shape + phi.shape)[()]
 
@@ -288,7 +288,7 @@ class PlaneStack:
         limit_results("depths", self._shape, at.shape, (10,))
         every = np.ascontiguousarray(np.broadcast_to(at.reshape(-1), (self._count, at.size)))
         result = np.empty((self._count, at.size, 10))
-        self._stacks.fields(_beam(cosine), bool(from_below), [self._layer("layer", layer)] * at.size, every, result)
+        self._stacks.fields(_beam(cosine), flag("from_below", from_below), [self._layer("layer", layer)] * at.size, every, result)
         return StackFields(*(result[..., k].reshape(self._shape + at.shape)[()] for k in range(10)))
 
     def _layer(self, name: str, value: Any) -> int:

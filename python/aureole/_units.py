@@ -26,14 +26,14 @@ def angle_deg(name: str, value: Any, *, maximum: float = 90.0, example: str = "0
     return scalar(name, _with_unit(name, value, _ANGLES, "angle", example), positive=True, maximum=maximum, unit="degrees")
 
 
-def optional_length(name: str, value: Any) -> str:
-    """A length for the compiled module, in m with its unit; an empty string for None."""
-    return "" if value is None else f"{length_m(name, value):.17g}m"
+def optional_length(name: str, value: Any, example: str) -> str:
+    """A length for the compiled module, in m with its unit; an empty string for None. Errors show `example`."""
+    return "" if value is None else f"{length_m(name, value, example=example):.17g}m"
 
 
-def optional_angle(name: str, value: Any) -> str:
-    """An angle for the compiled module, in degrees with its unit; an empty string for None."""
-    return "" if value is None else f"{angle_deg(name, value):.17g}deg"
+def optional_angle(name: str, value: Any, example: str) -> str:
+    """An angle for the compiled module, in degrees with its unit; an empty string for None. Errors show `example`."""
+    return "" if value is None else f"{angle_deg(name, value, example=example):.17g}deg"
 
 
 def _with_unit(name: str, value: str, units: Dict[str, float], what: str, example: str) -> float:

@@ -20,12 +20,12 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, 
 
 from . import _aureole
 from ._arrays import file_path, integer, scalar, text as checked_text
+from ._bars import RenderBar, Report
 from ._cluster_command import Line
 from ._cluster_pool import Pool, Tasks, Worker, dask_client, median_rate
 from ._cluster_worker import FILE_MARK, Bundle, Job, Part, bundle as _bundle, render_part, sweep_row
 from ._errors import Error
 from ._image import Image
-from ._render import Report, _Bar
 from ._scene import Scene
 
 _SAMPLES_OF_A_UNIT = 256 * 16  # a tile of 16 x 16 pixels, 16 samples of each
@@ -118,7 +118,7 @@ def render(
     parts.pool = Pool(client, of, parts)
     if isinstance(progress, Line):
         progress.remark = parts.remark
-    with _Bar(progress, parts.remark) as report:
+    with RenderBar(progress, parts.remark) as report:
         parts.report = report
         parts.finish()
     return Image._of(sum_of_parts.picture(), "finished")
@@ -447,7 +447,7 @@ def sweep(
         ),
     )
     tasks.pool = Pool(client, of, tasks)
-    with _Bar(progress, tasks.remark, "row") as report:
+    with RenderBar(progress, tasks.remark, "row") as report:
         tasks.report = report
         tasks.pool.run()
         tasks.tell()

@@ -35,30 +35,38 @@ from ._media import (absorptance, absorption_of_decadic, absorption_of_index, ab
                      dipole_reflectance, hard_sphere_structure_factor, henyey_greenstein, index_of_absorption,
                      napierian_absorbance, rayleigh_phase, transmittance, transmittance_of_decadic,
                      transmittance_of_napierian, water_scattering)
+from ._radiometry import (MesopicLuminance, SolidAngle, disc_solid_angle, etendue, exitance_of_radiance, flux_of_intensity,
+                         intensity_of_radiance, irradiance_of_intensity, irradiance_of_radiance, mesopic_luminance,
+                         photon_energy, photons, polygon_solid_angle, radiance_of_exitance, radiance_of_intensity,
+                         radiance_of_irradiance, solid_angle, sphere_solid_angle, unified_glare_rating)
 from ._sizes import SizeDistribution, size_distribution
 from ._stack import PlaneStack, StackFields, StackFluxes, StackLayer
 from ._vectorised import broadcast, limit_results, shaped
 
-__all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "Fresnel", "HardDiscs", "Mie",
-           "PairCorrelation", "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution",
-           "SlabPowers", "StackFields", "StackFluxes", "StackLayer", "StructureFactor", "absorptance",
-           "absorption_of_decadic", "absorption_of_index", "absorption_of_mass", "absorption_of_molar",
-           "absorption_of_napierian", "absorption_of_number", "air_cross_section", "air_depolarization",
-           "air_refractivity", "amplitude_moments", "annulus", "circle", "cross_section_of_molar",
-           "decadic_absorbance", "diffracted_intensity", "dipole_albedo", "dipole_reflectance", "drawn_edge_kernels",
-           "edge_alpha1", "edge_alpha2", "edge_constants", "ellipse", "faddeeva", "fraunhofer", "fresnel",
-           "fresnel_diffuse_reflectance", "fresnel_integral", "gaussian_beam_power", "hard_disc_pair_correlation",
-           "hard_discs", "hard_sphere_structure_factor", "henyey_greenstein", "index_of_absorption",
-           "interfering_power", "keller_coefficient", "kirchhoff", "knife_edge", "mask", "mean_edge_kernel",
-           "mean_edge_powers", "mean_edge_sigma", "mie", "mie_amplitudes", "mie_phase_function",
-           "napierian_absorbance", "ngon", "pair_correlation", "plane_wave_distance", "plane_wave_spreading",
-           "point_source_distance", "point_source_spreading", "point_structure_factor", "polygon", "radio_materials",
-           "radio_permittivity", "rayleigh_phase", "rayleigh_sommerfeld", "rectangle", "size_distribution",
-           "slab_powers", "star", "straight_edge_corrections", "straight_edge_kernels", "straight_edge_power",
+__all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "Fresnel", "HardDiscs",
+           "MesopicLuminance", "Mie", "PairCorrelation", "PlaneStack", "PointStructureFactor", "RadioMaterial",
+           "SizeDistribution", "SlabPowers", "SolidAngle", "StackFields", "StackFluxes", "StackLayer",
+           "StructureFactor", "absorptance", "absorption_of_decadic", "absorption_of_index", "absorption_of_mass",
+           "absorption_of_molar", "absorption_of_napierian", "absorption_of_number", "air_cross_section",
+           "air_depolarization", "air_refractivity", "amplitude_moments", "annulus", "circle",
+           "cross_section_of_molar", "decadic_absorbance", "diffracted_intensity", "dipole_albedo",
+           "dipole_reflectance", "disc_solid_angle", "drawn_edge_kernels", "edge_alpha1", "edge_alpha2",
+           "edge_constants", "ellipse", "etendue", "exitance_of_radiance", "faddeeva", "flux_of_intensity",
+           "fraunhofer", "fresnel", "fresnel_diffuse_reflectance", "fresnel_integral", "gaussian_beam_power",
+           "hard_disc_pair_correlation", "hard_discs", "hard_sphere_structure_factor", "henyey_greenstein",
+           "index_of_absorption", "intensity_of_radiance", "interfering_power", "irradiance_of_intensity",
+           "irradiance_of_radiance", "keller_coefficient", "kirchhoff", "knife_edge", "mask", "mean_edge_kernel",
+           "mean_edge_powers", "mean_edge_sigma", "mesopic_luminance", "mie", "mie_amplitudes", "mie_phase_function",
+           "napierian_absorbance", "ngon", "pair_correlation", "photon_energy", "photons", "plane_wave_distance",
+           "plane_wave_spreading", "point_source_distance", "point_source_spreading", "point_structure_factor",
+           "polygon", "polygon_solid_angle", "radiance_of_exitance", "radiance_of_intensity",
+           "radiance_of_irradiance", "radio_materials", "radio_permittivity", "rayleigh_phase",
+           "rayleigh_sommerfeld", "rectangle", "size_distribution", "slab_powers", "solid_angle",
+           "sphere_solid_angle", "star", "straight_edge_corrections", "straight_edge_kernels", "straight_edge_power",
            "straight_edge_power_correction", "straight_edge_weights", "structure_factor", "thin_slab_reflectance",
            "transition_function", "transmittance", "transmittance_of_decadic", "transmittance_of_napierian",
-           "triangle_power", "triangle_transform", "utd_coefficient", "utd_field", "water_scattering",
-           "zeroth_order_power"]
+           "triangle_power", "triangle_transform", "unified_glare_rating", "utd_coefficient", "utd_field",
+           "water_scattering", "zeroth_order_power"]
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]

@@ -137,10 +137,9 @@ template class Result<std::complex<double>>;
 std::string text_of(const nb::object& value) {
   const auto text = nb::steal<nb::object>(PyObject_Str(value.ptr()));
   if (!text.is_valid()) throw nb::python_error();
-  const auto bytes =
-      nb::steal<nb::object>(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace"));
+  const auto bytes = nb::steal<nb::bytes>(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace"));
   if (!bytes.is_valid()) throw nb::python_error();
-  return {PyBytes_AS_STRING(bytes.ptr()), std::size_t(PyBytes_GET_SIZE(bytes.ptr()))};
+  return {bytes.c_str(), bytes.size()};
 }
 
 std::string number_text(double v) {

@@ -5,6 +5,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -17,6 +18,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
 #include "aureole/core/output_file.h"
+#include "aureole/instrument/lightfield/light_field.h"
 #include "aureole/instrument/picture/convert_picture.h"
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
@@ -96,11 +98,23 @@ void save(const Picture& p, const std::filesystem::path& file, double exposure) 
     require_format(p.state->development, p.state->identity.replicates, file);
     return write_picture(*p.state, p.image, file);
   }
-  if (extension == ".exr") return write_exr(file, p.image, ExrPixel::float32, {});
+  if (extension == ".exr") return write_exr(file, p.image, ExrPixel::float32, p.attributes);
   if (extension == ".hdr" || extension == ".rgbe") return write_hdr(file, linear_rgb(p));
   if (extension == ".pfm") return write_pfm(file, linear_rgb(p));
   throw Error("path: expected a file name that ends with .exr, .png, .hdr or .pfm, got \"" + file.string() +
               "\"");
+}
+
+/// A picture of other channels with the header of `of`, whose attribute aureole:edits says what was done.
+std::shared_ptr<Picture> edited(const Picture& of, const Pixels& pixels,
+                                const std::vector<std::string>& channels, const std::string& edit) {
+  auto picture = from_array(pixels, channels);
+  picture->attributes = of.state ? picture_attributes(*of.state) : of.attributes;
+  std::string& edits = picture->attributes.strings["aureole:edits"];
+  edits += (edits.empty() ? "" : "; ") + edit;
+  picture->invalid = of.invalid;
+  picture->image.notes = of.image.notes;
+  return picture;
 }
 
 /// The pixels as an array that keeps the picture alive.
@@ -117,9 +131,11 @@ nb::object moved(Image image) {
 }
 
 /// The content of a picture for pickle: width, height, channels, pixels, whether they are encoded, the state as a
-/// file or nothing, invalid samples, notes.
-using PictureParts = std::tuple<int, int, std::vector<std::string>, nb::bytes, bool, nb::bytes,
-                                std::vector<std::array<std::int64_t, 4>>, std::vector<std::string>>;
+/// file or nothing, invalid samples, notes, and the attributes of the EXR that it was read from.
+using PictureParts =
+    std::tuple<int, int, std::vector<std::string>, nb::bytes, bool, nb::bytes,
+               std::vector<std::array<std::int64_t, 4>>, std::vector<std::string>,
+               std::map<std::string, std::string>, std::map<std::string, int>, std::map<std::string, float>>;
 
 PictureParts parts_of(const Picture& p) {
   const std::vector<char> state = p.state ? p.state->to_bytes() : std::vector<char>();
@@ -131,11 +147,15 @@ PictureParts parts_of(const Picture& p) {
           p.image.srgb_encoded,
           nb::bytes(state.data(), state.size()),
           p.invalid,
-          p.image.notes};
+          p.image.notes,
+          p.attributes.strings,
+          p.attributes.integers,
+          p.attributes.floats};
 }
 
 Picture picture_of(const PictureParts& parts) {
-  const auto& [width, height, channels, pixels, encoded, state, invalid, notes] = parts;
+  const auto& [width, height, channels, pixels, encoded, state, invalid, notes, strings, integers, floats] =
+      parts;
   Picture p;
   const std::size_t count = pixels.size() / sizeof(float);
   const double expected = double(width) * double(height) * double(channels.size());
@@ -148,6 +168,7 @@ Picture picture_of(const PictureParts& parts) {
         RenderState::from_bytes({state.c_str(), state.size()}, {"pickled picture", 0, 0}));
   p.invalid = invalid;
   p.image.notes = notes;
+  p.attributes = {strings, integers, floats};
   return p;
 }
 
@@ -182,7 +203,7 @@ void bind_image(nb::module_& m) {
             auto picture = std::make_shared<Picture>();
             {
               const Unlocked release;
-              picture->image = in_order_of_colors(read_image(file));
+              picture->image = in_order_of_colors(read_image(file, &picture->attributes));
             }
             for (const std::string& name : picture->image.channels)
               if (!is_utf8(name))
@@ -190,12 +211,24 @@ void bind_image(nb::module_& m) {
             return picture;
           },
           nb::arg("file"))
+      .def("edited", edited, nb::arg("pixels"), nb::arg("channels"), nb::arg("edit"))
       .def("__getstate__", parts_of)
       .def("__setstate__", [](Picture& p, const PictureParts& parts) { new (&p) Picture(picture_of(parts)); })
       .def_prop_ro("array",
                    [](nb::handle_t<Picture> self) { return view(nb::cast<Picture&>(self).image, self); })
       .def_prop_ro("channels", [](const Picture& p) { return p.image.channels; })
       .def_prop_ro("srgb_encoded", [](const Picture& p) { return p.image.srgb_encoded; })
+      .def_prop_ro("meanings",
+                   [](const Picture& p) {
+                     nb::dict d;
+                     const std::string attribute = p.channel_meanings();
+                     for (const std::string& name : p.image.channels)
+                       if (const std::string meaning = channel_meaning(attribute, name); !meaning.empty())
+                         d[decoded(name)] = decoded(meaning);
+                     return d;
+                   })
+      .def_prop_ro("light_field",
+                   [](const Picture& p) { return decoded(p.file_attribute(kLightFieldAttribute)); })
       .def_prop_ro("notes", [](const Picture& p) { return p.image.notes; })
       .def_prop_ro("invalid", [](const Picture& p) { return p.invalid; })
       .def_prop_ro("facts",
@@ -217,6 +250,7 @@ void bind_image(nb::module_& m) {
                      d["part"] = double(s.units_done()) / double(s.units());
                      d["invalid_samples"] = s.invalid_samples;
                      d["seconds"] = s.seconds;
+                     d["approximations"] = s.approximations;
                      return d;
                    })
       .def("rgb", [](const Picture& p) { return moved(linear_rgb(p)); })

@@ -25,6 +25,7 @@
 #include "aureole/instrument/wavelength_steps.h"
 #include "bindings.h"
 #include "command.h"
+#include "current_tables.h"
 #include "loading_signals.h"
 #include "object_arrays.h"
 #include "picture.h"
@@ -41,6 +42,7 @@ LoadedObjects objects_of(const std::string& file, const Defines& defines) {
   const LoadingSignals signals;
   LoadOptions options;
   options.defines = defines;
+  options.tables = current_tables();
   options.progress = signals.progress();
   return signals.run([&] { return load_objects(file, options); });
 }
@@ -266,7 +268,7 @@ void bind_instruments(nb::module_& m) {
         FileInfo info;
         {
           const Unlocked release;
-          info = file_info(file, defines);
+          info = file_info(file, defines, current_tables());
         }
         return nb::make_tuple(info.kind, decoded(info.text), notes_of(info.notes));
       },

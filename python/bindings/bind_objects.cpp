@@ -15,6 +15,7 @@
 #include "aureole/shape/shape.h"
 #include "aureole/texture/texture.h"
 #include "bindings.h"
+#include "current_tables.h"
 #include "loading_signals.h"
 #include "object_arrays.h"
 #include "objects.h"
@@ -218,6 +219,7 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
          const std::map<std::string, ObjectPtr>& given) -> nb::object {
         LoadOptions options;
         options.given = given;
+        options.tables = current_tables();
         LoadedObject loaded;
         {
           const Unlocked release;

@@ -154,6 +154,7 @@ void bind_optics(nb::module_& m) {
   bind_absorption(m);
   bind_sizes(m);
   bind_stack(m);
+  bind_radiometry(m);
   bind_apertures(m);
   bind_correlations(m);
   bind_diffraction(m);

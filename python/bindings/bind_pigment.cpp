@@ -129,6 +129,31 @@ void streams_reflectance(const StreamsTheory& by, const Reals& k, const Reals& s
   });
 }
 
+/// Rows of `result`: reflectance, transmittance of a free film by streams.
+void streams_free_film(const StreamsTheory& by, const Reals& k, const Reals& s, const Reals& g_shift,
+                       double thickness, const Array<double, 2>& result) {
+  const std::size_t n = k.size();
+  require_size(s.size() == n && g_shift.size() == n && result.shape(0) == 2 && result.shape(1) == n,
+               "streams_free_film");
+  for (std::size_t i = 0; i < n; ++i) {
+    const pigment::LayerTransfer t =
+        pigment::free_film_of(*by.theory, {k.data()[i], s.data()[i]}, g_shift.data()[i], thickness);
+    result.data()[i] = t.reflectance, result.data()[n + i] = t.transmittance;
+  }
+}
+
+/// Rows of `result`: reflectance, transmittance of a free film under equal interfaces.
+void free_film(const Reals& k, const Reals& s, double thickness, const SurfaceNumbers& surface,
+               const Array<double, 2>& result) {
+  const std::size_t n = k.size();
+  require_size(s.size() == n && result.shape(0) == 2 && result.shape(1) == n, "free_film");
+  for (std::size_t i = 0; i < n; ++i) {
+    const pigment::LayerTransfer t =
+        pigment::outer_transfer(surface_of(surface), pigment::layer({k.data()[i], s.data()[i]}, thickness));
+    result.data()[i] = t.reflectance, result.data()[n + i] = t.transmittance;
+  }
+}
+
 /// Rows of `result`: reflectance, transmittance.
 void layer(const Reals& k, const Reals& s, const Reals& thickness, const Array<double, 2>& result) {
   const std::size_t n = k.size();
@@ -413,16 +438,11 @@ joint_fit(const Names& files, const std::optional<SurfaceNumbers>& surface, cons
       for (const auto& [name, difference] : differences) sum += difference;
       if (!differences.empty()) f.difference = sum / double(differences.size());
     };
-    const bool free_films =
-        std::any_of(table.samples.begin(), table.samples.end(),
-                    [](const pigment::Sample& s) { return !s.paints.empty() && s.backing == "none"; });
     if (by_theory != "streams") add(pigment::two_flux_theory(interface));
-    if (by_theory == "streams" || (by_theory == "best" && !free_films))
+    if (by_theory != "two-flux")
       add(pigment::streams_theory(
           {.index = binder, .g = g, .geometry = how, .specular = light, .varies_g = g_error > 0},
           for_ranges));
-    if (by_theory == "best" && free_films)
-      notes.push_back("the theory by streams has no free films; two fluxes are fitted alone");
     const Fitted& best = *std::min_element(
         fitted.begin(), fitted.end(),
         [](const Fitted& a, const Fitted& b) { return a.difference < b.difference; });  // of NaN the first
@@ -569,6 +589,10 @@ void bind_pigment(nb::module_& m) {
         arg("varies_g"));
   m.def("pigment_streams_reflectance", &streams_reflectance, arg("theory"), arg("k"), arg("s"),
         arg("g_shift"), arg("thickness"), arg("substrate"), arg("result").noconvert());
+  m.def("pigment_streams_free_film", &streams_free_film, arg("theory"), arg("k"), arg("s"), arg("g_shift"),
+        arg("thickness"), arg("result").noconvert());
+  m.def("pigment_free_film", &free_film, arg("k"), arg("s"), arg("thickness"), arg("surface"),
+        arg("result").noconvert());
   m.def("pigment_layer", &layer, arg("k"), arg("s"), arg("thickness"), arg("result").noconvert());
   m.def("pigment_fluxes", &fluxes, arg("k"), arg("s"), arg("thickness"), arg("substrate"), arg("depth"),
         arg("result").noconvert());

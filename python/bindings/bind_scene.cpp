@@ -24,8 +24,10 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/render/job.h"
 #include "bindings.h"
+#include "current_tables.h"
 #include "loading_signals.h"
 #include "objects.h"
+#include "open_scene.h"
 #include "picture.h"
 #include "text.h"
 
@@ -34,69 +36,14 @@ namespace aureole::python {
 namespace {
 
 using Defines = std::vector<std::pair<std::string, std::string>>;
-using Given = std::map<std::string, ObjectPtr>;
-
-/// A scene that may be changed while its earlier states are rendered.
-class OpenScene {
-public:
-  OpenScene(const std::filesystem::path& file, const LoadOptions& options) : document_(file, options) {
-    remember_lights(document_.scene());
-  }
-  OpenScene(const std::string& text, const std::filesystem::path& file, const LoadOptions& options)
-      : document_(text, file, options) {
-    remember_lights(document_.scene());
-  }
-  OpenScene(const OpenScene&) = delete;
-  OpenScene& operator=(const OpenScene&) = delete;
-
-  /// Reads the document while no other thread changes it. Python's lock is held, but not while waiting for
-  /// the document: the thread that changes it may need Python's lock to finish.
-  template <class F>
-  auto read(const F& f) {
-    const Held held(*this);
-    return f(document_);
-  }
-  LoadedScene loaded() {
-    return read([](const SceneDocument& d) { return d.loaded(); });
-  }
-  std::shared_ptr<const Scene> scene() {
-    return read([](const SceneDocument& d) { return d.scene(); });
-  }
-  void set(const std::vector<std::pair<std::string, std::string>>& changes, const Given& given) {
-    const Held held(*this);
-    changing_ = true;
-    struct End {
-      bool& changing;
-      ~End() { changing = false; }
-    } end{changing_};
-    const Unlocked unlocked;
-    document_.edit(changes, given);
-    remember_lights(document_.scene());
-  }
-
-private:
-  struct Held {
-    explicit Held(OpenScene& scene) : lock(scene.mutex_, std::try_to_lock) {
-      if (!lock) {
-        const Unlocked unlocked;
-        lock.lock();
-      }
-      // Only code that runs during a change in the same thread sees this, such as __del__.
-      if (scene.changing_) throw Error("the scene is being changed: it can't be used until that is done");
-    }
-    std::unique_lock<std::recursive_mutex> lock;
-  };
-
-  SceneDocument document_;
-  std::recursive_mutex mutex_;
-  bool changing_ = false;
-};
+using Given = OpenScene::Given;
 
 LoadOptions load_options(const Defines& defines, const Given& given, const std::string& integrator,
                          const std::string& sampler, const LoadingSignals& signals) {
   LoadOptions options;
   options.progress = signals.progress();
   options.defines = defines;
+  options.tables = current_tables();
   options.given = given;
   options.integrator = integrator, options.sampler = sampler;
   return options;
@@ -213,9 +160,8 @@ const char* name_of(RenderJob::Outcome outcome) {
 }
 
 /// Renders with `options`, continuing from `start`. Returns the picture and the outcome.
-nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& options,
+nb::tuple render(const LoadedScene& built, const RenderOptions& options,
                  const std::shared_ptr<Picture>& start, const nb::object& progress) {
-  const LoadedScene built = scene->loaded();
   std::optional<RenderJob> job;
   {
     const Unlocked release;
@@ -372,17 +318,20 @@ void bind_scene(nb::module_& m) {
       [](const std::shared_ptr<OpenScene>& scene, std::int64_t begin, std::optional<std::int64_t> end,
          std::optional<std::uint64_t> seed, int threads, int replicates, double time_limit_s,
          const std::optional<std::string>& adaptive, const std::shared_ptr<Picture>& start,
-         const nb::object& progress, const std::optional<std::pair<std::int64_t, std::int64_t>>& units) {
+         const nb::object& progress, const std::optional<std::pair<std::int64_t, std::int64_t>>& units,
+         bool is_for_denoising) {
         RenderOptions options;
         if (units) options.units = UnitRanges::Range{units->first, units->second};
         if (adaptive) options.adaptive = adaptive_target(*adaptive);
         options.begin = begin, options.end = end, options.seed = seed;
         options.threads = threads, options.replicates = replicates, options.time_limit_s = time_limit_s;
-        return render(scene, options, start, progress);
+        LoadedScene built = is_for_denoising ? scene->for_denoising() : scene->loaded();
+        if (is_for_denoising) divide_for_denoising(built, options);
+        return render(built, options, start, progress);
       },
       nb::arg("scene"), nb::arg("begin"), nb::arg("end").none(), nb::arg("seed").none(), nb::arg("threads"),
       nb::arg("replicates"), nb::arg("time_limit_s"), nb::arg("adaptive").none(), nb::arg("start").none(),
-      nb::arg("progress").none(), nb::arg("units").none() = nb::none());
+      nb::arg("progress").none(), nb::arg("units").none() = nb::none(), nb::arg("is_for_denoising") = false);
 
   m.def(
       "empty_picture",
@@ -405,14 +354,16 @@ void bind_scene(nb::module_& m) {
       "load_power_map",
       [](const std::string& file, const Defines& defines, const std::string& integrator,
          std::optional<int> max_depth, bool diffraction, const std::string& diffraction_model,
-         const std::vector<double>& plane, const std::vector<double>& normal, const std::vector<double>& size,
-         const std::vector<double>& transmitters, const std::string& frequency, double cell) {
+         const std::string& polarisation, const std::vector<double>& plane, const std::vector<double>& normal,
+         const std::vector<double>& size, const std::vector<double>& transmitters,
+         const std::string& frequency, double cell) {
         for (const auto& [name, numbers, count] :
              {std::tuple("plane", &plane, 3), {"normal", &normal, 3}, {"size", &size, 2}})
           if (!numbers->empty() && numbers->size() != std::size_t(count))
             throw Error(std::string(name) + ": expected " + std::to_string(count) + " numbers");
-        PowerMapSettings settings{file,  integrator, defines, max_depth,    diffraction, diffraction_model,
-                                  plane, normal,     size,    transmitters, frequency,   cell};
+        PowerMapSettings settings{
+            file,   integrator, defines,      max_depth, diffraction, diffraction_model, polarisation, plane,
+            normal, size,       transmitters, frequency, cell,        current_tables()};
         const Unlocked release;
         const LoadingSignals signals;
         PowerMapSource source = power_map_source(settings);
@@ -427,8 +378,8 @@ void bind_scene(nb::module_& m) {
         }());
       },
       nb::arg("file"), nb::arg("defines"), nb::arg("integrator"), nb::arg("max_depth").none(),
-      nb::arg("diffraction"), nb::arg("diffraction_model"), nb::arg("plane"), nb::arg("normal"),
-      nb::arg("size"), nb::arg("transmitters"), nb::arg("frequency"), nb::arg("cell"),
+      nb::arg("diffraction"), nb::arg("diffraction_model"), nb::arg("polarisation"), nb::arg("plane"),
+      nb::arg("normal"), nb::arg("size"), nb::arg("transmitters"), nb::arg("frequency"), nb::arg("cell"),
       "The scene of a power map, and notes on light that it misses.");
   m.def(
       "require_power_map",

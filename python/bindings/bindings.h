@@ -18,10 +18,13 @@ void bind_scene(nb::module_& m);        ///< scenes, their parameters, rendering
 void bind_image(nb::module_& m);        ///< pictures
 void bind_parts(nb::module_& m);        ///< parts of pictures from several machines
 void bind_instruments(nb::module_& m);  ///< instruments that the command line has, too
+void bind_light(nb::module_& m);        ///< photometry, lenses, cameras, light fields
 void bind_optics(nb::module_& m);       ///< physics without a renderer
 void bind_pigment(nb::module_& m);      ///< paints
 void bind_spectrum(nb::module_& m);     ///< observer, illuminants, colour, refractive indices
+void bind_cache(nb::module_& m);        ///< tables that are kept on disc
 void bind_check(nb::module_& m);        ///< the harness for BSDFs
 void bind_microstructure(nb::module_& m);  ///< scatterers found in microscope pictures
+void bind_laboratory(nb::module_& m);      ///< instruments that measure materials, colours
 
 }  // namespace aureole::python

@@ -32,7 +32,10 @@ NB_MODULE(_aureole, m) {
   bind_scene(m);
   bind_parts(m);
   bind_instruments(m);
+  bind_light(m);
   bind_spectrum(m);
+  bind_cache(m);
   bind_check(m);
   bind_microstructure(m);
+  bind_laboratory(m);
 }

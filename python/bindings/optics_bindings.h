@@ -14,6 +14,7 @@ void bind_edge_kernels(nb::module_& m);  ///< edges as scatterers of light
 void bind_absorption(nb::module_& m);    ///< in all its quantities; phase functions in closed form
 void bind_sizes(nb::module_& m);         ///< of particles
 void bind_stack(nb::module_& m);         ///< plane layers
+void bind_radiometry(nb::module_& m);    ///< solid angles, glare, mesopic vision
 
 /// Radii in m whose logarithms are normal with standard deviation `spread`; one radius for 0.
 optics::RadiusDistribution log_normal_radii(double median, double spread, bool by_volume);

@@ -61,10 +61,10 @@ TEST_F(BakeCommand, WritesEveryKind) {
   says("20 points"), says("with normals");
   ASSERT_EQ(run({"bake", scene, "-o", "out.npz", "--to", "grid", "--resolution", "10", "--degree", "2"}), 0)
       << output;
-  says("of 13 x 13 x 3 voxels with a surface");
+  says("of 15 x 15 x 5 voxels with a surface");
   EXPECT_EQ(read_radiance_voxels(folder.path / "out.npz").degree, 2);
   ASSERT_EQ(run({"info", "out.npz"}), 0) << output;
-  says("13 x 13 x 3 voxels"), says("harmonics    degree 2");
+  says("15 x 15 x 5 voxels"), says("harmonics    degree 2");
 }
 
 TEST_F(BakeCommand, BadInputIsAnError) {

@@ -312,8 +312,9 @@ TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {
 
 TEST_F(Cli, UnknownCommandsNameTheNearestOne) {
   refused_arguments({"rendr", "scene.xml"}, "unknown command \"rendr\"; did you mean \"render\"?");
-  refused_arguments({"xyzzyxyzzy"},
-                    "there are: bake, cluster, color, compare, convert, convert-bsdf, denoise,");
+  refused_arguments(
+      {"xyzzyxyzzy"},
+      "there are: bake, cache, cache clear, cache limit, cache list, cache size, cluster, color, compare, convert, convert-bsdf, denoise,");
 }
 
 TEST_F(Cli, OptionsOfSeveralValuesLeaveArgumentsAlone) {

@@ -12,6 +12,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "aureole/core/image.h"
@@ -130,18 +131,19 @@ TEST(PaintGallery, EverySceneLoads) {
 
 TEST(LaboratoryGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("laboratory"),
-            (std::vector<std::string>{"sphere", "goniometer", "instruments", "edge_loss", "lobes"}));
+            (std::vector<std::string>{"sphere", "goniometer", "balls", "instruments", "edge_loss", "lobes"}));
 }
 
 TEST(VolumesGallery, EverySceneLoads) {
-  EXPECT_EQ(load_figures("volumes"), (std::vector<std::string>{"part", "orbital", "head", "forms", "edges"}));
+  EXPECT_EQ(load_figures("volumes"),
+            (std::vector<std::string>{"part", "orbital", "head", "forms", "steps", "edges"}));
 }
 
 TEST(DiffractionGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("diffraction"),
             (std::vector<std::string>{"edge_functions", "edge_amplitudes", "edge_approximation", "wedge",
                                       "openings", "double_slit", "star", "two_slits", "mesh", "comb", "razor",
-                                      "leaves", "street"}));
+                                      "fringes", "block", "leaves", "street"}));
 }
 
 TEST(DiffractionGallery, TheSolversNumbersAreThoseOfTheTest) {
@@ -381,6 +383,47 @@ TEST_F(GalleryCommand, MakesThePlotsOfDiffraction) {
     }
   }
   for (const auto& [kind, missing] : files) EXPECT_EQ(missing, 0u) << kind;
+}
+
+// The plot of the machine part: premultiplied and Taylor's steps converge with first order.
+TEST_F(GalleryCommand, PlotsStepsAgainstError) {
+  const fs::path volumes = source_dir() / "scenes" / "volumes";
+  fs::copy_file(volumes / "part.nrrd", folder.path / "scenes/tiny/part.nrrd");
+  folder.write("scenes/tiny/part_forms.xml", content(volumes / "part_forms.xml"));
+  const Json plot = {{"kind", "step_errors"}, {"scene", "part_forms.xml"}, {"steps", {0.25, 0.5, 1}}};
+  const Json figure = {{"id", "steps"}, {"title", "Steps"}, {"caption", "c"}, {"plots", {plot}}};
+  write(Json::array({figure}));
+  Outcome o = run();
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  expect_good_page();
+  const Json results = Json::parse(content(out() / "results.json"));
+  const Json file = results["plots"]["steps-plot1"]["files"][0];
+  const std::string caption = file["caption"], path = file["file"];
+  EXPECT_TRUE(content(out() / path).starts_with("<svg"));
+  for (const char* form : {"premultiplied", "taylor"}) {
+    std::istringstream text(caption.substr(caption.find(form) + std::string(form).size()));
+    double errors[3];
+    char comma;
+    text >> errors[0] >> comma >> errors[1] >> comma >> errors[2];
+    for (int k = 1; k < 3; ++k) {
+      EXPECT_GT(errors[k], 1.6 * errors[k - 1]) << form << ": " << caption;
+      EXPECT_LT(errors[k], 2.4 * errors[k - 1]) << form << ": " << caption;
+    }
+  }
+  o = run();
+  EXPECT_NE(o.output.find("Steps: was done already"), std::string::npos) << o.output;
+  // Another scene makes another plot.
+  std::string scene = content(volumes / "part_forms.xml");
+  scene.replace(scene.find("100 0.12"), 8, "100 0.22");
+  folder.write("scenes/tiny/part_forms.xml", scene);
+  o = run();
+  EXPECT_EQ(o.output.find("Steps: was done already"), std::string::npos) << o.output;
+  fs::remove_all(out());
+  Json wrong = figure;
+  wrong["plots"][0]["scene"] = "none.xml";
+  refused(Json::array({wrong}), "there is no file ");
+  wrong["plots"][0]["scene"] = 7;
+  refused(Json::array({wrong}), "needs \"scene\", the name of a file");
 }
 
 TEST_F(GalleryCommand, FullPicturesServeAsPreviewsButNotTheOtherWay) {

@@ -143,6 +143,66 @@ TEST_F(LaboratoryCli, ReportsTellReflectances) {
   EXPECT_NE(said.find("isotropic"), std::string::npos);
 }
 
+TEST_F(LaboratoryCli, ReportsOfStatedLightAndCones) {
+  ASSERT_EQ(run({"goniometer", "m.xml#grey", "--incident-light", "0:1,60:0.5,90:0.1", "--cones",
+                 "45,5,0,10,0,5,60,10", "--range", "550,550", "--json", "r.json"}),
+            0)
+      << said;
+  const nlohmann::json r = json("r.json")["report"];
+  EXPECT_NEAR(r["of_incident_light"]["value"].get<double>(), 0.3, 0.003);
+  ASSERT_EQ(r["cones"].size(), 2u);
+  EXPECT_NEAR(r["cones"][0]["factor"].get<double>(), 0.3, 0.003);
+  EXPECT_NE(said.find("of the stated light "), std::string::npos) << said;
+  fails({"goniometer", "m.xml#grey", "--cones", "45,5,0"}, "four numbers for each pair of cones");
+  fails({"goniometer", "m.xml#grey", "--cones", "85,10,0,5"}, "--cones 85,10,0,5");
+  fails({"goniometer", "m.xml#grey", "--incident-light", "0:1,0:2"}, "increasing angles");
+  fails({"goniometer", "m.xml#grey", "--incident-light", "sky.exr"}, "sky.exr");
+}
+
+TEST_F(LaboratoryCli, SpreadOfASlab) {
+  ASSERT_EQ(run({"goniometer", "m.xml#slab", "--spread", "point", "--distances", "1,2", "--aperture", "1mm",
+                 "--range", "550,550", "-o", "s.csv", "--json", "s.json", "--plot", "s.svg"}),
+            0)
+      << said;
+  const nlohmann::json s = json("s.json");
+  EXPECT_EQ(s["kind"], "point");
+  EXPECT_GT(s["readings"][0]["values"][0].get<double>(), s["readings"][1]["values"][0].get<double>());
+  EXPECT_GT(s["readings"][0]["diffusion"][0].get<double>(), 0);
+  EXPECT_NE(file_content(folder.path / "s.csv").find("distance_mm,550nm,u(550nm),diffusion(550nm)"),
+            std::string::npos);
+  EXPECT_NE(file_content(folder.path / "s.svg").find("<svg"), std::string::npos);
+  fails({"goniometer", "m.xml#grey", "--spread", "line"}, "is no slab");
+  fails({"goniometer", "m.xml#slab", "--spread", "line", "--distances", "90"}, "is not over the sample");
+}
+
+TEST_F(LaboratoryCli, PooledSpheresAndPredictedEdgeLoss) {
+  ASSERT_EQ(run({"spectrophotometer", "m.xml#grey", "--geometry", "di:8", "--pooled", "--paths", "8192",
+                 "--step", "50", "--json", "p.json"}),
+            0)
+      << said;
+  for (const double v : json("p.json")["values"]) EXPECT_NEAR(v, 0.3, 0.01);
+  ASSERT_EQ(run({"spectrophotometer", "m.xml#slab", "--geometry", "45a:0", "--range", "550,550", "--paths",
+                 "1024", "--json", "e.json"}),
+            0)
+      << said;
+  EXPECT_NE(said.find("edge loss: diffusion predicts"), std::string::npos) << said;
+  const double loss = json("e.json")["predicted_edge_loss"][0];
+  EXPECT_GT(loss, 0.01);
+  EXPECT_LT(loss, 0.6);
+  ASSERT_EQ(run({"spectrophotometer", "m.xml#grey", "--pooled", "--range", "550,550"}), 0) << said;
+  EXPECT_NE(said.find("here that has no effect"), std::string::npos) << said;
+}
+
+TEST_F(LaboratoryCli, TensorTreesAreWrittenAndRead) {
+  ASSERT_EQ(run({"convert-bsdf", "m.xml#metal", "tree.xml", "--format", "tensor_tree", "--resolution", "16"}),
+            0)
+      << said;
+  EXPECT_NE(file_content(folder.path / "tree.xml").find("TensorTree3"), std::string::npos);
+  ASSERT_EQ(run({"convert-bsdf", "tree.xml", "again.csv", "--angles", "3"}), 0) << said;
+  fails({"convert-bsdf", "m.xml#metal", "t.xml", "--format", "tensor_tree", "--resolution", "20"},
+        "a power of two");
+}
+
 TEST_F(LaboratoryCli, ColoursAndTheirDifferences) {
   ASSERT_EQ(run({"color", "#ff0000", "lab(50, 20, -10)", "--json", "c.json"}), 0) << said;
   const nlohmann::json c = json("c.json")["colours"];

@@ -179,6 +179,30 @@ TEST(Merl, SamplingIsAsGoodAsTheBestFit) {
   }
 }
 
+// Tables of other kinds: a file of RGL's format and a table of directions.
+TEST(MeasuredTables, SamplingIsAsGoodAsTheBestFit) {
+  for (const auto& [type, file] :
+       {std::pair("measured", "golden_paint.bsdf"), {"tabulated", "glossy_table.csv"}}) {
+    const auto surface =
+        bsdf_of(type, "<string name=\"filename\" value=\"" + merl_data(file).string() + "\"/>");
+    const Setting s;
+    for (const double theta : {0.1, 0.6, 1.1}) {
+      const Vec3 wi = direction(theta, 0.5);
+      const double own = relative_variance(
+          *surface,
+          [&](float u1, Vec2 u2) {
+            const auto found = surface->sample(wi, u1, u2, s.context());
+            return found ? std::optional(found->wo) : std::nullopt;
+          },
+          [&](const Vec3& wo) { return double(surface->pdf(wi, wo, s.context())[0]); }, wi);
+      const double best = best_fit_variance(*surface, wi);
+      EXPECT_LT(own, 1.3 * best) << file << " at " << theta;
+      if (test::is_thorough())
+        std::printf("%s at %.1f rad: variance %.4f, best fit %.4f\n", file, theta, own, best);
+    }
+  }
+}
+
 const BsdfCases kMerl("merl", [](BsdfCase& c) { c.black_below = true, c.may_fail = true; }, {});
 
 }  // namespace

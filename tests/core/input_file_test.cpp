@@ -20,10 +20,10 @@
 #include "aureole/loading/values.h"
 #include "aureole/parameter/grid/scalar_grid.h"
 #include "aureole/parameter/palette_file.h"
+#include "aureole/parameter/vdb/vdb_file.h"
 #include "aureole/parameter/voxel_data.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/render/state.h"
-#include "aureole/volume/vdb/vdb_file.h"
 #include "loading/load_text.h"
 
 namespace aureole {

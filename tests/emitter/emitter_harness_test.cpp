@@ -404,6 +404,16 @@ void write_sky(const std::filesystem::path& file) {
   write_exr(file, sky, ExrPixel::float32, {});
 }
 
+/// A light field of one colour: 2 x 2 views of 8 x 5 pixels through a rectangle that takes nearly all directions.
+void write_field(const std::filesystem::path& file) {
+  Image field{16, 10, {"R", "G", "B"}, {}, false};
+  for (int i = 0; i < 160; ++i) field.pixels.insert(field.pixels.end(), {0.5f, 0.7f, 1.f});
+  ExrAttributes attributes;
+  attributes.strings["aureole:lightfield"] =
+      "s, t: 2 x 2 views over 2000 x 2000; u, v: 8 x 5 pixels, width 1.6 at the distance 1";
+  write_exr(file, field, ExrPixel::float32, attributes);
+}
+
 /// Luminaires, whose files are written beside the scene. Intensities [cd] over C [degrees] and gamma, for each 10 degrees.
 const std::vector<std::vector<int>> kLampTable = {{90, 80, 60, 40, 30, 20, 10, 5, 2, 1},    // C = 0
                                                   {90, 95, 99, 90, 70, 40, 20, 10, 5, 0},   // C = 90
@@ -621,6 +631,13 @@ std::vector<Case> make_cases() {
            R"(<emitter type="photometricarea"><string name="filename" value="isotropic.ies"/></emitter></shape>)",
        outside, ball_area, on_ball, cosine_bins()});
   all.back().slack = 5e-3;
+  // A light field of one colour over nearly all directions is a Lambertian surface.
+  all.push_back(
+      {"lightfielddisplay",
+       kRectangle +
+           R"(<emitter type="lightfielddisplay"><string name="filename" value="field.exr"/></emitter></shape>)",
+       hit_rectangle, 1.6, on_rectangle, cosine_bins()});
+  all.back().slack = 5e-3;
   for (const std::string sky : {"overcast", "uniform"})
     all.push_back(
         {"ciesky_" + sky,
@@ -691,6 +708,7 @@ protected:
     std::ofstream(folder_.path / "panel.obj") << panel_obj();
     write_sky(folder_.path / "sky.exr");
     write_steps(folder_.path / "steps.exr");
+    write_field(folder_.path / "field.exr");
     std::ofstream(folder_.path / "photometric_point.ies") << lamp_file("0 0 0");
     std::ofstream(folder_.path / "photometric_area.ies") << lamp_file("0.2 0.6 0");
     std::ofstream(folder_.path / "isotropic.ies")
@@ -751,13 +769,16 @@ protected:
       }
       return make_spectrum([&](int j) { return float(sum[j] / n * 4 * M_PI * M_PI * kRadius * kRadius); });
     }
+    // A display emits by position and direction; it faces down.
+    const Vec3 out = case_.name == "lightfielddisplay" ? Vec3{0, 0, -1} : Vec3{0, 0, 1};
     SurfacePoint p;
-    p.ng = {0, 0, 1};
+    p.ng = out;
+    if (out.z < 0) p.p = {0, 0, 2};
     const int n = 64;
     if (case_.triangles.empty()) {
       for (int k = 0; k < n * n; ++k) {
         p.uv = {(float(k % n) + 0.5f) / n, (float(k / n) + 0.5f) / n};
-        total += emitter_->eval(p, {0, 0, 1}, w_) * (float(M_PI * case_.area) / (n * n));
+        total += emitter_->eval(p, out, w_) * (float(M_PI * case_.area) / (n * n));
       }
       return total;
     }
@@ -1277,7 +1298,8 @@ TEST_P(EmitterHarness, BacksAreDark) {
   p.ng = {0, 0, 1};
   EXPECT_TRUE(is_black(emitter_->eval(p, {0, 0, -1}, w_)));
   EXPECT_TRUE(is_black(emitter_->eval(p, {1, 0, 0}, w_)));
-  EXPECT_FALSE(is_black(emitter_->eval(p, {0.6f, 0, 0.8f}, w_)));
+  // A display sends the light of its views, whose directions end at an aperture.
+  if (case_.name != "lightfielddisplay") EXPECT_FALSE(is_black(emitter_->eval(p, {0.6f, 0, 0.8f}, w_)));
   if (case_.name.starts_with("area_rectangle")) {
     SeededRandom random(4);
     for (int k = 0; k < 100; ++k)

@@ -35,6 +35,11 @@ std::string ball(const std::string& children) {
   return R"(<shape type="sphere"><point name="center" x="0" y="0" z="1"/>)" + children + "</shape>\n";
 }
 
+std::string plate(const std::string& children) {
+  return R"(<shape type="rectangle"><transform name="to_world"><translate z="1"/></transform>)" + children +
+         "</shape>\n";
+}
+
 /// The element with another name attribute, or with one more child.
 std::string changed(const std::string& xml, const char* name, const std::string& child = "") {
   pugi::xml_document document;
@@ -87,6 +92,7 @@ std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::strin
   if (family == "texture")
     return {usual(kLight + ball("<bsdf type=\"diffuse\">" + changed(example, "reflectance") + "</bsdf>")),
             usual(ball("<emitter type=\"area\">" + changed(example, "radiance") + "</emitter>"))};
+  if (plugin.name == "lightfielddisplay") return {usual(plate(example))};  // which must be flat
   if (family == "emitter") return {usual(plugin.doc.needs_shape ? ball(example) : ball("") + example)};
   if (family == "modulation")
     return {usual(R"(<emitter type="point"><point name="position" x="0" y="3" z="0"/>)" + example +
@@ -149,7 +155,7 @@ std::string wrap_volume(const std::string& file) {
 }
 
 std::vector<std::string> wrap_splats(const std::string& file) {
-  const bool is_grid = file.ends_with(".npz");
+  const bool is_grid = file.ends_with(".npz") || file.ends_with(".vdb");
   const std::string medium =
       ball(R"(<bsdf type="null"/><medium type=")" + std::string(is_grid ? "radiance_grid" : "splats") +
            R"(" name="interior"><string name="filename" value=")" + file + "\"/></medium>");

@@ -5,12 +5,20 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
 #include "harness/paths.h"
 
 namespace aureole::test {
+
+namespace {
+
+/// Tests read no table that the user's programs have kept, and leave none.
+[[maybe_unused]] const int kWithoutCache = setenv("AUREOLE_CACHE", "off", 1);
+
+}  // namespace
 
 std::string file_content(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -10,6 +10,7 @@
 #include "aureole/core/image.h"
 #include "aureole/instrument/bake/radiance_bake.h"
 #include "aureole/instrument/bake/splat_bake.h"
+#include "aureole/medium/radiance/grid_radiance.h"
 #include "aureole/parameter/splat/splat_writer.h"
 #include "aureole/render/job.h"
 #include "harness/paths.h"
@@ -147,7 +148,7 @@ TEST(RadianceBake, AWallIsOpaqueWhereItIs) {
   options.resolution = 20, options.paths = 256, options.degree = 1;
   const RadianceBake baked = bake_radiance_grid(scene, options);
   const RadianceVoxels& g = baked.voxels;
-  EXPECT_EQ(g.size, (std::array<int, 3>{23, 23, 3}));
+  EXPECT_EQ(g.size, (std::array<int, 3>{25, 25, 5}));
   EXPECT_EQ(baked.occupied, 441u);  // 21 x 21
   const float expected[3] = {0.4f, 0.25f, 0.6f};
   std::size_t dense = 0;
@@ -160,6 +161,42 @@ TEST(RadianceBake, AWallIsOpaqueWhereItIs) {
   }
   EXPECT_EQ(dense, baked.occupied);
   EXPECT_EQ(g.stored(), 23u * 23 * 3);
+}
+
+TEST(RadianceBake, TheThicknessOfAWallDoesNotDependOnItsTurn) {
+  RadianceBakeOptions options;
+  options.resolution = 30, options.paths = 1;
+  const struct {
+    const char* text;
+    Transform to_world;
+  } turns[] = {{R"(<rotate x="1" angle="20"/><rotate y="1" angle="35"/>)",
+                Transform::rotate(0, 1, 0, 35) * Transform::rotate(1, 0, 0, 20)},
+               {R"(<rotate x="1" angle="45"/>)", Transform::rotate(1, 0, 0, 45)},
+               {R"(<translate z="0.013"/>)", Transform::translate(0, 0, 0.013)}};
+  for (const auto& [turn, to_world] : turns) {
+    const auto scene = load_scene_from_string(
+        fmt::format(
+            R"(<scene version="3.0.0"><integrator type="path"/><sensor type="perspective"/><emitter type="constant"/>
+      <shape type="rectangle"><transform name="to_world">{}</transform><bsdf type="diffuse"/></shape></scene>)",
+            turn),
+        "bake.xml");
+    const RadianceField field(
+        std::make_shared<const RadianceVoxels>(bake_radiance_grid(scene, options).voxels), Transform(), 1);
+    const Vec3 normal = normalize(to_world.vector({0, 0, 1}));
+    double sum = 0;
+    constexpr int kRays = 81, kSteps = 600;
+    for (int i = 0; i < kRays; ++i) {
+      const Vec3 p = to_world.point({0.17f * float(i % 9 - 4), 0.17f * float(i / 9 - 4), 0});
+      double thickness = 0;
+      for (int k = 0; k < kSteps; ++k) {
+        const float t = 0.4f * ((float(k) + 0.5f) / kSteps - 0.5f);
+        thickness += double(field.density(field.index_of(p + normal * t))) * 0.4 / kSteps;
+      }
+      EXPECT_NEAR(thickness, 5, 2) << turn << " " << i;
+      sum += thickness / kRays;
+    }
+    EXPECT_NEAR(sum, 5, 0.15) << turn;
+  }
 }
 
 TEST(SplatBake, DensityByTheDistanceFromTheCamera) {

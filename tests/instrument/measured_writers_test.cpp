@@ -11,6 +11,7 @@
 #include "aureole/instrument/measured/rgl_writer.h"
 #include "aureole/instrument/measured/scattering_probe.h"
 #include "aureole/instrument/measured/table_writers.h"
+#include "aureole/instrument/measured/tensor_tree_writer.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/properties_builder.h"
 
@@ -108,6 +109,74 @@ TEST(MeasuredWriters, KlemsFilesHoldMirrorsAndEvenScattering) {
     }
   // Normal incidence: 2 R / (1 + R) with R = 0.04 is reflected.
   EXPECT_NEAR(double(pane.reflection[0].mean(0, 0)) * t.outgoing.projected_solid_angle(0), 0.0769, 0.002);
+}
+
+/// Reads the written tree of a material as the BSDF `tensor_tree`.
+std::shared_ptr<const Bsdf> tree_of(const std::string& xml, const TensorTreeSettings& settings,
+                                    std::string* text = nullptr) {
+  const std::string content = tensor_tree_file_content(probe_of(xml), settings);
+  if (text) *text = content;
+  return build<Bsdf>("<bsdf type=\"tensor_tree\"><string name=\"filename\" value=\"" +
+                     write_temporary("tree.xml", content) + "\"/></bsdf>");
+}
+
+TEST(MeasuredWriters, TensorTreesHoldLobesAndAreSmallWhereNothingChanges) {
+  const std::string glossy = R"(<bsdf type="roughconductor"><string name="material" value="none"/>
+      <string name="distribution" value="ggx"/><float name="alpha" value="0.3"/></bsdf>)";
+  TensorTreeSettings settings;
+  std::string text;
+  const auto copy = tree_of(glossy, settings, &text);
+  const auto material = build<Bsdf>(glossy);
+  for (const double degrees : {5.0, 30.0, 55.0})
+    EXPECT_LT(deviation(*material, *copy, degrees), 0.1) << degrees;
+  // With a larger tolerance more cells are merged.
+  std::string coarse;
+  settings.tolerance = 0.5;
+  tree_of(glossy, settings, &coarse);
+  EXPECT_LT(std::count(coarse.begin(), coarse.end(), '{'),
+            0.7 * double(std::count(text.begin(), text.end(), '{')));
+  // Even scattering is one cell for each side, and its energy is right.
+  std::string even;
+  const auto white =
+      tree_of(R"(<bsdf type="diffuse"><float name="reflectance" value="0.6"/></bsdf>)", {}, &even);
+  EXPECT_LT(std::count(even.begin(), even.end(), '{'), 60);
+  const Setting s;
+  EXPECT_NEAR(double(white->eval(direction(0.5, 1), direction(0.7, 3), s.context())[0]),
+              0.6 / M_PI * std::cos(0.7), 0.01);
+}
+
+// An anisotropic metal: the tree of rank 4 turns with the material.
+TEST(MeasuredWriters, TensorTreesOfRankFourKnowAzimuths) {
+  const std::string brushed = R"(<bsdf type="roughconductor"><string name="material" value="none"/>
+      <float name="alpha_u" value="0.25"/><float name="alpha_v" value="0.6"/></bsdf>)";
+  TensorTreeSettings settings;
+  settings.is_isotropic = false, settings.levels = 5, settings.samples = 1024;
+  std::string text;
+  const auto copy = tree_of(brushed, settings, &text);
+  EXPECT_NE(text.find("TensorTree4"), std::string::npos);
+  EXPECT_LT(deviation(*build<Bsdf>(brushed), *copy, 30), 0.1);
+  // Light from the side of y is scattered wider along y than light from x along x.
+  const Setting s;
+  const auto f = [&](double azimuth) {
+    return double(copy->eval(direction(0.1, azimuth), direction(0.6, azimuth), s.context())[0]);
+  };
+  EXPECT_GT(f(M_PI / 2), 2 * f(0));
+}
+
+TEST(MeasuredWriters, TensorTreesHoldTransmissionAndTheSidesOfASheet) {
+  const std::string sheet = R"(<bsdf type="difftrans"><float name="transmittance" value="0.5"/></bsdf>)";
+  const auto copy = tree_of(sheet, {});
+  const Setting s;
+  const auto material = build<Bsdf>(sheet);
+  for (const double side : {1.0, -1.0}) {
+    Vec3 wi = direction(0.4, 2), wo = direction(0.3, 0.5);
+    wi.z *= float(side), wo.z *= float(-side);
+    EXPECT_NEAR(double(copy->eval(wi, wo, s.context())[0]), double(material->eval(wi, wo, s.context())[0]),
+                0.01);
+  }
+  TensorTreeSettings too_large;
+  too_large.levels = 12;
+  EXPECT_THROW(tensor_tree_file_content(probe_of(sheet), too_large), Error);
 }
 
 TEST(MeasuredWriters, TablesOfDirectionsAreReadBack) {

@@ -11,6 +11,7 @@
 #include "aureole/integrator/splat/depth_sort.h"
 #include "aureole/integrator/splat/splat_blend.h"
 #include "aureole/loading/load.h"
+#include "aureole/plugin/late_notes.h"
 #include "aureole/render/job.h"
 #include "medium/splat_test_support.h"
 
@@ -490,6 +491,64 @@ TEST(Splat, PicturesDoNotDependOnThreads) {
   EXPECT_GT(*std::max_element(pictures[0].begin(), pictures[0].end()), 0.5);
   EXPECT_EQ(pictures[0], pictures[1]);
   EXPECT_EQ(pictures[0], pictures[2]);
+}
+
+/// The notes of a scene that contain `part`.
+std::size_t count_notes(const LoadedScene& scene, const std::string& part) {
+  return std::size_t(std::count_if(scene.notes.begin(), scene.notes.end(), [&](const std::string& note) {
+    return note.find(part) != note.npos && note.find("splat.xml:") != note.npos;
+  }));
+}
+
+TEST(Splat, NotesOnSplatsThatAreNotSeen) {
+  const SplatFolder folder;
+  // A disc that is seen along its plane has no area without dilation.
+  const auto flat =
+      folder.write("flat.ply", make_ply({PlainSplat{.position = {0, 0, 2}, .scale = {0, 0.2, 0.2}},
+                                         PlainSplat{.position = {0.1, 0, 2}}}));
+  const std::string view = camera(8, 8, 8), no_dilation = R"(<float name="dilation" value="0"/>)";
+  const auto seen = scene_of(no_dilation, splat_medium(flat) + view);
+  EXPECT_EQ(count_notes(seen, "1 splats have a projection without area"), 1u) << seen.notes.size();
+  EXPECT_EQ(count_notes(scene_of("", splat_medium(flat) + view), "without area"), 0u);
+  const auto behind = folder.write("behind.ply", make_ply({PlainSplat{.position = {0, 0, -2}}}));
+  EXPECT_EQ(count_notes(scene_of("", splat_medium(behind) + view), "none of the splats is seen"), 1u);
+  EXPECT_EQ(count_notes(scene_of("", splat_medium(flat) + view), "none of the splats is seen"), 0u);
+  const std::string orthographic = R"(<sensor type="orthographic"><film type="hdrfilm"/></sensor>)";
+  const auto rays =
+      scene_of(R"(<string name="sorting" value="z_depth"/>)", splat_medium(flat) + orthographic);
+  EXPECT_EQ(count_notes(rays, "this sensor follows splats by rays"), 1u);
+}
+
+TEST(Splat, NotesOnTheMediumAreThoseOfIntegratorsThatFollowIt) {
+  const SplatFolder folder;
+  const auto file =
+      folder.write("thin.ply", make_ply({PlainSplat{.position = {0, 0, 2}, .scale = {0.2, 0.2, 1e-4}}}));
+  const std::string content = splat_medium(file) + camera(8, 8, 8);
+  const auto notes = [&](const std::string& integrator, const std::string& more = "") {
+    return count_notes(load_scene_from_string(R"(<scene version="3.0.0"><integrator type=")" + integrator +
+                                                  "</integrator>" + content + more + "</scene>",
+                                              "splat.xml"),
+                       "1 of 1 splats are thinner than 1/100");
+  };
+  EXPECT_EQ(notes(R"(path">)"), 1u);
+  EXPECT_EQ(notes(R"(moment"><integrator type="direct"/>)"), 1u);
+  EXPECT_EQ(notes(R"(depth">)"), 0u);
+  EXPECT_EQ(notes(R"(splat">)"), 0u);
+  // A surface behind is lit through the medium.
+  EXPECT_EQ(notes(R"(splat">)", R"(<shape type="rectangle"/>)"), 1u);
+  EXPECT_EQ(notes(R"(splat"><string name="background" value="1, 1, 1"/>)", R"(<shape type="rectangle"/>)"),
+            0u);
+}
+
+TEST(Splat, NoNoteIsLostAfterLoading) {
+  const SplatFolder folder;
+  const auto file = folder.write("one.ply", make_ply({PlainSplat{.position = {0, 0, 2}}}));
+  const auto scene = scene_of("", splat_medium(file) + camera(8, 8, 8));
+  EXPECT_THROW(scene.integrator->properties().note("", "too late"), std::logic_error);
+  EXPECT_THROW(scene.scene->media().front()->properties().note("filename", "too late"), std::logic_error);
+  const std::string text = note_text(scene.integrator->properties(), "", "in time");
+  EXPECT_NE(text.find("splat.xml:"), std::string::npos) << text;
+  EXPECT_NE(text.find("in time"), std::string::npos) << text;
 }
 
 TEST(Splat, SortsByDepth) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "aureole/loading/load.h"
 #include "loading/test_plugins.h"
 
@@ -91,9 +93,10 @@ TEST(Emitters, TopLevelOnes) {
   EXPECT_EQ(s.parts.emitters.size(), 1u);
 }
 
-TEST(Context, OutlivesLoading) {
+TEST(Context, OutlivesLoadingAndTakesNoNotesAfterwards) {
   const LoadedParts s = load_text("<bsdf type='test_bsdf' id='a'/>");
-  s.parts.sensor->properties().note("x", "a note after loading");
+  // Nobody would see it: the notes of the file have been shown.
+  EXPECT_THROW(s.parts.sensor->properties().note("x", "a note after loading"), std::logic_error);
   EXPECT_TRUE(s.file.is_absolute());
 }
 

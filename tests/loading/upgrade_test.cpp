@@ -37,6 +37,37 @@ TEST(Upgrade, OnlyOldFiles) {
       "maxDepth");
 }
 
+// Mitsuba 0.6 gives a shape with a medium and without a BSDF none; later versions a diffuse one.
+TEST(Upgrade, ShapesWithAMediumAndNoBsdfAreInterfaces) {
+  const std::string medium = "<medium name='interior' type='homogeneous'/>";
+  const auto bsdf = [](Upgraded& u) {
+    for (const Node& child : u.node().children)
+      if (child.tag == "bsdf") return child.get("type");
+    return std::string();
+  };
+  Upgraded bare("<shape type='sphere'>" + medium + "</shape>");
+  EXPECT_EQ(bsdf(bare), "null");
+  ASSERT_EQ(bare.notes().size(), 1u);
+  EXPECT_NE(bare.notes()[0].find("old.xml:2:22: the shape has a medium and no BSDF"), std::string::npos)
+      << bare.notes()[0];
+  Upgraded shared(
+      "<shape type='sphere'><ref name='exterior' id='air'/></shape>"
+      "<medium type='homogeneous' id='air'/>");
+  EXPECT_EQ(bsdf(shared), "null");
+  Upgraded with_bsdf("<shape type='sphere'>" + medium + "<bsdf type='dielectric'/></shape>");
+  EXPECT_EQ(bsdf(with_bsdf), "dielectric");
+  // A reference to a BSDF, which may be defined behind the shape, and a light make a surface.
+  Upgraded referenced("<shape type='sphere'>" + medium +
+                      "<ref id='skin'/></shape><bsdf type='diffuse' id='skin'/>");
+  EXPECT_EQ(bsdf(referenced), "");
+  Upgraded light("<shape type='sphere'>" + medium + "<emitter type='area'/></shape>");
+  EXPECT_EQ(bsdf(light), "");
+  Upgraded without("<shape type='sphere'/>");
+  EXPECT_EQ(bsdf(without), "");
+  Upgraded later("<shape type='sphere'>" + medium + "</shape>", "2.0.0");
+  EXPECT_EQ(bsdf(later), "");
+}
+
 TEST(Upgrade, NamesWithCapitalsAreReadWithANote) {
   Upgraded u("<shape type='Rectangle'><bsdf type='RoughConductor'/><emitter type='Area'/></shape>", "3.0.0");
   EXPECT_EQ(u.node().get("type"), "rectangle");

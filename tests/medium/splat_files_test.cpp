@@ -70,8 +70,8 @@ TEST(Splat, FilesAreAsOtherProgramsReadThem) {
     ASSERT_EQ(v[5].size(), 3 * c.coefficients());
     for (std::size_t k = 0; k < v[5].size(); ++k) EXPECT_NEAR(c.harmonics_of(i)[k], v[5][k], 2e-6) << k;
   }
-  EXPECT_EQ(lines, 264);
-  EXPECT_EQ(files.size(), 14u);
+  EXPECT_EQ(lines, 360);
+  EXPECT_EQ(files.size(), 18u);
 }
 
 TEST(Splat, ConstantsOfColours) {
@@ -176,7 +176,7 @@ TEST(Splat, NumbersThatAreWrong) {
       "has 1 splats whose rotation is the quaternion 0, which is none, the first of them number 2: they are left out");
   for (auto& s : splats) s.position[0] = NAN;
   EXPECT_EQ(message_of(folder.write("all.ply", make_ply(splats))),
-            "has no splat with numbers that are finite");
+            "has no splat whose numbers are finite and make a colour and a rotation");
 
   std::string bytes = read_bytes(judged_folder() / "sh0.splat");
   const float negative = -0.5f;
@@ -185,7 +185,57 @@ TEST(Splat, NumbersThatAreWrong) {
             std::string::npos);
   const float zero = 0;
   std::memcpy(&bytes[32 * 2 + 16], &zero, 4);
-  EXPECT_EQ(read_splat_file(folder.write("zero.splat", bytes)).scales[2].y, 0);
+  const SplatCloud flat = read_splat_file(folder.write("zero.splat", bytes));
+  EXPECT_EQ(flat.scales[2].y, 0);
+  EXPECT_TRUE(flat.notes.empty());  // A disc has one scale of 0.
+  for (int k = 0; k < 3; ++k) std::memcpy(&bytes[32 * 2 + 12 + 4 * std::size_t(k)], &zero, 4);
+  EXPECT_EQ(read_splat_file(folder.write("zero.splat", bytes)).notes,
+            std::vector<std::string>{
+                "has 1 splats whose three scales are 0, the first of them number 2: they have no extent"});
+}
+
+TEST(Splat, CoefficientsThatMakeNoColour) {
+  const SplatFolder folder;
+  std::vector<PlainSplat> splats(4);
+  for (PlainSplat& s : splats) s.rest.assign(3, {0.1, 0.2, -0.3});
+  splats[1].rest[2][1] = -1e30;                               // a number of a damaged file
+  splats[2].color = {2e6 * kPlainHarmonic0 + 0.5, 0.5, 0.5};  // twice the largest coefficient
+  splats[3].rest[0][0] = 0.9e6;
+  const SplatCloud c = read_splat_file(folder.write("bright.ply", make_ply(splats)));
+  EXPECT_EQ(c.size(), 2u);
+  EXPECT_EQ(
+      c.notes,
+      std::vector<std::string>{
+          "has 2 splats with a coefficient of their colour beyond 1e+06, the first of them number 1: they "
+          "are left out"});
+  EXPECT_EQ(message_of(folder.write("none.ply", make_ply({splats[1]}))),
+            "has no splat whose numbers are finite and make a colour and a rotation");
+}
+
+/// Files that this program writes are those of the judged folder, of which splats.txt has the numbers that gsply and gaussforge read.
+TEST(Splat, WrittenFilesAreThoseThatOtherProgramsRead) {
+  const SplatFolder folder;
+  for (const std::string name : {"sh0", "sh3"})
+    for (const std::string extension : {".ply", ".spz"}) {
+      const std::string written = "written_" + name + extension;
+      write_splat_file(folder.path() / written, read_splat_file(judged_folder() / (name + ".ply")));
+      if (const char* keep = std::getenv("AUREOLE_WRITTEN_SPLATS"))
+        fs::copy_file(folder.path() / written, fs::path(keep) / written,
+                      fs::copy_options::overwrite_existing);
+      const SplatCloud a = read_splat_file(folder.path() / written),
+                       b = read_splat_file(judged_folder() / written);
+      ASSERT_EQ(a.size(), b.size());
+      ASSERT_EQ(a.degree, b.degree);
+      EXPECT_EQ(a.format, b.format);
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(a.positions[i], b.positions[i]) << written;
+        EXPECT_EQ(a.scales[i], b.scales[i]) << written;
+        EXPECT_EQ(a.rotations[i], b.rotations[i]) << written;
+        EXPECT_EQ(a.opacities[i], b.opacities[i]) << written;
+      }
+      EXPECT_TRUE(std::equal(a.harmonics.begin(), a.harmonics.end(), b.harmonics.begin(), b.harmonics.end()))
+          << written;
+    }
 }
 
 TEST(Splat, HarmonicsOfTheWrongLength) {
@@ -432,6 +482,13 @@ TEST(Splat, OpenUsdText) {
   EXPECT_NE(c.notes[2].find("3 numbers of scales for 2 splats, which is too few"), std::string::npos);
   EXPECT_NE(c.notes[3].find("3 numbers of opacities for 2 splats: those that are too many"),
             std::string::npos);
+
+  const SplatCloud uneven = read("#usda 1.0\n" + prim +
+                                 "point3f[] positions = [(1, 2, 3), (4, 5, 6)]\n"
+                                 "quatf[] orientations = [(2, 0, 0, 2), (0.6, 0.8, 0, 0)]\n}\n");
+  EXPECT_EQ(uneven.notes, std::vector<std::string>{
+                              "has 1 splats whose rotation is no unit quaternion: they are normalised"});
+  EXPECT_NEAR(uneven.rotations[0][3], std::sqrt(0.5), 1e-6);
 
   const auto fault = [&](const std::string& text) { return message_of(folder.write("t.usda", text)); };
   const struct {

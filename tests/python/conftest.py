@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shared by the tests of the Python package."""
+import os
 from pathlib import Path
 from typing import Any, Dict
 
 import numpy as np
 import pytest
 
-import aureole
+os.environ["AUREOLE_CACHE"] = "off"  # tests read no table that the user's programs have kept
+
+import aureole  # noqa: E402
 
 
 @pytest.fixture

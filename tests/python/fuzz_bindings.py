@@ -152,11 +152,30 @@ def torn_bytes(content, number):
     return bytes(data[: rng.choice([len(data), rng.randrange(len(data) + 1)])])
 
 
-def text_file(text):
+def text_file(text, ending="xml"):
     FOLDER.mkdir(exist_ok=True)
-    path = FOLDER / f"{os.getpid()}.xml"
+    path = FOLDER / f"{os.getpid()}.{ending}"
     path.write_text(text, errors="surrogatepass")
     return path
+
+
+LENS = "name doublet\n61.5 6 bk7 25\n-44.7 2.5 sf5 25\n-129.9 95.9 air 24 stop\n"
+LAMP = ("IESNA:LM-63-2002\n[TEST] a\n[TESTLAB] b\n[ISSUEDATE] c\n[MANUFAC] d\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 10\n0 45 90\n0\n300 200 0\n")
+OFFICE = ('<scene version="3.0.0"><sensor type="powermap"><string name="measure" value="irradiance"/><film type="hdrfilm"><integer name="width" '
+          'value="3"/><integer name="height" value="2"/><string name="quantity" value="illuminance"/></film><sampler type="sobol"><integer '
+          'name="sample_count" value="2"/></sampler></sensor><shape type="rectangle"><transform name="to_world"><translate z="-1"/></transform>'
+          '</shape><emitter type="point"><point name="position" x="0" y="0" z="1"/><string name="amount" value="100 cd"/></emitter></scene>')
+LAMP_SCENE = '<scene version="3.0.0"><emitter type="point"><string name="amount" value="100 lm"/></emitter></scene>'
+
+
+def camera_scene(film=None, sensor=None):
+    """A scene of six pixels with another film or sensor."""
+    return aureole.load_dict({**SPHERES, "sensor": {**SPHERES["sensor"], **(sensor or {}), "film": {
+        **(film or {"type": "specfilm", "bins": 4}), "width": 6, "height": 4, "rfilter": {"type": "box"}}}})
+
+
+def field_scene():
+    return camera_scene({"type": "hdrfilm"}, {"type": "lightfield", "fov": 1.0, "views_x": 2, "aperture_width": 0.4, "plane_distance": 4.0, "field_width": 3.0})
 
 
 # ---------------------------------------------------------------- wrong ones
@@ -341,6 +360,10 @@ VALID = {
 INSTANCES = {
     "aureole.Scene": ["scene()"], "aureole.Image": ["image()", "rendered()"], "aureole.Transform": ["aureole.Transform.rotate([0, 1, 0], 30)"], "aureole.Texture": ["texture()"], "aureole.Emitter": ["emitter()"],
     "aureole.Aperture": ["aperture()"], "aureole.Bsdf": ["bsdf()", "bsdf('dielectric')", "bsdf('blendbsdf', a={'type': 'diffuse'}, b={'type': 'conductor'}, weight=0.3)", "_aureole.python_bsdf(Lambert())"],
+    "aureole.ExposureData": ["aureole.expose(camera_scene(), 1, exposure=0.01, progress=False)"], "aureole.LightField": ["aureole.lightfield(field_scene(), 1, progress=False)"],
+    "aureole.LuminaireData": ["aureole.goniophotometer(text_file(LAMP, 'ies'))"], "aureole.PhotometryData": ["aureole.photometry(aureole.load_string(OFFICE), 1, progress=False)"],
+    "aureole.LensData": ["aureole.lens(text_file(LENS, 'lens'), rays=4)"], "aureole.IlluminationData": ["aureole.illumination(text_file(OFFICE), 1, runs=2, progress=False)"],
+    "aureole._aureole.RawPicture": ["aureole.expose(camera_scene(), 1, exposure=0.01, progress=False)._raw[0]"],
     "aureole.CheckReport": ["report()"], "aureole.CheckRecord": ["report().checks[0]"], "aureole.optics.ApertureShape": ["optics.circle(5e-6)", "optics.mask(np.eye(4), 1e-6)"],
     "aureole.optics.PlaneStack": ["optics.PlaneStack([optics.StackLayer(1, 0.1, [0.9, 1], g=0.5)], streams=4)"],
     "aureole._aureole.PlaneStacks": ["optics.PlaneStack([optics.StackLayer(1, 0.1, [0.9, 1], g=0.5)], streams=4)._stacks"],
@@ -399,6 +422,11 @@ EXAMPLES = {
     "_aureole.DiffractingEdges.pdf": [["np.ones(4)", "np.empty(2)"]], "_aureole.DiffractingEdges.sample": [["1", "np.empty(4)"]],
     "aureole.optics.StructureFactor.table": [["[0, 1.0]", "[0.5, 1.0]"]], "aureole.optics.StructureFactor.at": [["[[0.5, 1]]"]], "aureole.spectrum.illuminant": [["'D65'", "[400, 500]"]],
     "aureole.spectrum.material": [["'bk7'"]], "aureole.spectrum.refractive_index": [["'bk7'", "[500, 600]"]], "aureole.Transform.__matmul__": [["aureole.Transform()"]], "aureole.plot.corona": [["radius='8um'", "area_fraction=0.5", "resolution=8"]],
+    "aureole.spectrophotometer": [["bsdf('diffuse')", "paths=64", "step=200"]], "aureole.goniometer": [["bsdf('diffuse')", "paths=64", "step=200", "directions=9", "incident=[0, 30]"]],
+    "aureole.goniometer_report": [["bsdf('diffuse')", "paths=64", "step=300"]], "aureole.lateral_spread": [["str(text_file(XML)) + '#grey'", "[0.001]"]],
+    "aureole.spectroradiometer": [["'FL2'"], ["'FL2'", "pixels=32"]], "aureole.color": [["'#ff0000'"], ["'lab(50, 1, 2)'", "standard='#ffffff'"]], "aureole.cam16": [["(20, 20, 20)", "(95, 100, 109)"]],
+    "aureole.convert_bsdf": [["bsdf('diffuse')", "str(FOLDER / f'{os.getpid()}.csv')", "step=200", "angles=3"]], "aureole.color_rendering": [["'FL2'"]],
+    "_aureole.spectrum_file": [["str(FOLDER / f'{os.getpid()}.csv')", "[400.0, 500.0]", "[0.1, 0.2]", "'a'", "False", "'45a:0'"]], "_aureole.colours": [["['#ff0000']", "''", "'D65'", "[]", "(2.0, 1.0)"]],
     "aureole.layer": [["bsdf('roughdielectric')", "samples=64", "step=200"]], "aureole.medium": [["fog()", "step=200"]], "aureole.info": [["file('a.exr')"], ["torn(file('a.exr'), R)"], ["text_file(XML)"]],
     "aureole.compare": [["image()", "image()"], ["rendered()", "file('a.exr')"]], "aureole.rings": [["image()"], ["image()", "radius='3um'"]], "aureole.powermap": [["scene()", "4"], ["text_file(XML)", "4"]],
     "aureole.droplet_size": [["angles='2.5:max:G,3.5:min'", "lamp='550nm'"], ["image()", "fov=20"]], "_aureole.layer": [["bsdf('roughdielectric')", "0.0", "0.0", "200.0", "'D65'", "2.5", "64", "(0.5, 0.5)"]],
@@ -409,6 +437,29 @@ EXAMPLES = {
     "_aureole.PartSum.check": [["_aureole.packed_part(rendered()._picture)", "0", "1"]], "_aureole.PartSum.unpacked": [["_aureole.packed_part(rendered()._picture)"], ["torn_bytes(_aureole.packed_part(rendered()._picture), R)"]],
     "_aureole.PartSum.resume": [["_aureole.PartSum(rendered()._picture).state()", "'a'"], ["torn_bytes(_aureole.PartSum(rendered()._picture).state(), R)", "'a'"]], "_aureole.packed_part": [["rendered()._picture"]],
     "_aureole.PartSum.same_samples": [["_aureole.packed_part(rendered()._picture)", "_aureole.packed_part(rendered()._picture)"]], "_aureole.empty_picture": [["scene()._open", "4", "None", "1", "None"]],
+    "aureole.lens": [["text_file(LENS, 'lens')", "rays=4"], ["text_file(torn_text(LENS, R), 'lens')", "rays=4"]],
+    "aureole.goniophotometer": [["text_file(LAMP, 'ies')"], ["text_file(torn_text(LAMP, R), 'ies')"], ["text_file(LAMP_SCENE)", "1", "c_step=90", "gamma_step=45", "progress=False"]],
+    "aureole.illumination": [["text_file(OFFICE)", "1", "runs=2", "progress=False"]], "aureole.photometry": [["text_file(OFFICE)", "1", "progress=False"], ["aureole.load_string(OFFICE)", "1", "regions=[[0, 0, 1, 2]]", "progress=False"]],
+    "aureole.expose": [["camera_scene()", "1", "exposure=0.01", "progress=False"], ["camera_scene()", "1", "exposure=0.01", "frames=2", "camera={'gain': 0.5}", "progress=False"]],
+    "aureole.lightfield": [["field_scene()", "1", "progress=False"]], "_aureole.lens_figures": [["text_file(LENS, 'lens')", "None", "np.inf", "[0.0, 5.0]", "[550.0]", "4"]],
+    "_aureole.load_goniophotometer": [["str(text_file(LAMP_SCENE))", "[]", "''", "1", "(90.0, 45.0)", "(0, 0, -1)", "[]"]], "_aureole.luminaire_of_file": [["text_file(torn_text(LAMP, R), 'ies')"]],
+    "_aureole.measured_luminaire": [["aureole.Image(np.ones((3, 4)))._picture", "'a.xml'", "''", "''", "1", "'none'", "(0, 0, 0)", "(0, 0, 0)"]],
+    "_aureole.load_illumination": [["str(text_file(OFFICE))", "[]", "True"]], "_aureole.illumination_means": [["[rendered()._picture]", "'a'", "[]"], ["[rendered()._picture]", "'a'", "[[0, 0, 2, 2]]"]],
+    "_aureole.photometric_map": [["rendered()._picture", "'a'"], ["aureole.render(aureole.load_string(OFFICE), 1, progress=False)._picture", "'a'"]], "_aureole.map_statistics": [["np.ones((2, 3))", "(0, 0, 2, 2)"]],
+    "_aureole.picture_glare": [["np.ones((4, 6))", "'luminance'", "'cd/m^2'", "scene()._open", "(0, 1, 0)", "0.0"]], "_aureole.open_illuminance": [["scene()._open", "(0, 1, 0)"]],
+    "_aureole.traced_solid_angle": [["scene()._open", "(0, 0, 5)", "(0, 0, -1)", "64"]], "_aureole.false_color_map": [["np.eye(4)", "'a'", "'b'", "None", "1.0", "False", "[]"]],
+    "_aureole.light_field_axes": [["field_scene()._open", "rendered()._picture"]], "_aureole.require_light_field": [["field_scene()._open"]],
+    "_aureole.parsed_light_field": [["rendered()._picture", "torn_text('s, t: 2 x 2 views over 0.4 x 0.4; u, v: 3 x 2 pixels, width 3 at the distance 4', R)", "'a'"]],
+    "_aureole.light_field_picture": [["rendered()._picture", "'s, t: 2 x 2 views over 0.4 x 0.4; u, v: 3 x 2 pixels, width 3 at the distance 4'", "'a'", "(0, 0)", "0.1", "3.0"]],
+    "_aureole.write_light_field": [["rendered()._picture", "'a'", "file('a.exr')"]], "_aureole.camera_of_file": [["text_file('{\"gain\": 1}', 'json')"]], "_aureole.exposure_of_scene": [["camera_scene()._open"]],
+    "_aureole.expose_picture": [["aureole.render(camera_scene(), 1, progress=False)._picture", "'a'", "'{}'", "'a.json'", "0.01", "(1, 1)", "1"], ["aureole.render(camera_scene(), 1, progress=False)._picture", "'a'", "torn_text('{\"efficiency\": {\"nm\": [400, 700], \"values\": [0.2, 0.4]}, \"gain\": 0.1}', R)", "'a.json'", "0.01", "(1, 1)", "1"]],
+    "_aureole.sphere_solid_angles": [["np.ones((2, 7))", "np.empty((2, 2))"]], "_aureole.disc_solid_angles": [["np.arange(10.0)[None]", "np.empty((1, 2))"]], "_aureole.polygon_solid_angles": [["np.eye(3)", "np.array([[0, 0, 0, 1, 1, 1.0]])", "np.empty((1, 2))"]],
+    "_aureole.mesopic_luminances": [["np.ones(2)", "np.ones(2)", "np.empty((2, 2))"]], "_aureole.unified_glare_rating": [["50.0", "np.ones((2, 3))"]],
+    "aureole.optics.sphere_solid_angle": [["[0, 0, 2]", "1"], ["[0, 0, 2]", "1", "normal=[0, 1, 1]"]], "aureole.optics.disc_solid_angle": [["[0, 0, 2]", "[0, 0, 1]", "1", "normal=[0, 1, 1]"]],
+    "aureole.optics.polygon_solid_angle": [["np.eye(3)", "normal=[0, 1, 1]"]], "aureole.optics.solid_angle": [["{'type': 'sphere', 'center': [0, 0, 3]}", "samples=64"], ["scene()", "[0, 0, 9]", "[0, 0, -1]", "samples=64"]],
+    "aureole.optics.photons": [["1.0", "550"]], "aureole.optics.irradiance_of_radiance": [["1.0", "2.0"]], "aureole.optics.irradiance_of_intensity": [["1.0", "2.0", "0.5"]], "aureole.optics.intensity_of_radiance": [["1.0", "2.0"]],
+    "aureole.optics.radiance_of_intensity": [["1.0", "2.0"]], "aureole.optics.exitance_of_radiance": [["1.0"]], "aureole.optics.radiance_of_exitance": [["1.0"]], "aureole.optics.radiance_of_irradiance": [["1.0"]], "aureole.optics.flux_of_intensity": [["1.0"]],
+    "aureole.optics.etendue": [["1.0", "2.0"]], "aureole.optics.mesopic_luminance": [["0.1", "2"]], "aureole.optics.unified_glare_rating": [["50", "[1e4]", "0.01"]],
     "aureole.Scene.__getitem__": [["'glass.alpha'"], ["torn_text('lamp.emitter.radiance', R)"]], "aureole.Scene.__contains__": [["'glass.alpha'"]], "aureole.Scene.__delitem__": [["'glass.alpha'"]],
 }
 # Programs that take the process over, what only a subclass has, and what is not of the package.

@@ -13,6 +13,7 @@ import warnings
 
 import numpy as np
 import pytest
+from lossy_link import LossyLink
 
 import aureole
 from aureole import _aureole, _cluster_pool, _cluster_worker, cluster
@@ -312,6 +313,36 @@ def test_a_scheduler_that_is_started_again(scene, tmp_path):
         for process in running:
             process.kill()
             process.wait()
+
+
+CALLER = """
+import sys
+import numpy as np
+from distributed import Client
+import aureole, aureole.cluster
+file, address, picture = sys.argv[1:]
+with Client(address, timeout=60) as client:
+    client.wait_for_workers(2, timeout=60)
+    np.save(picture, aureole.cluster.render(aureole.load_file(file), client, part_seconds=0.2, progress=False).array)
+"""
+
+
+def test_two_workers_behind_a_link_that_loses_packets(scene, alone, tmp_path):
+    """The caller and the scheduler on one host, the workers on another: 50 ms in each direction, and one packet of 30 is lost."""
+    if missing := LossyLink.missing():
+        pytest.skip(f"no link between network namespaces can be made on this machine: {missing}")
+    options = {"env": {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, "cwd": tmp_path, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with LossyLink(delay_s=0.05, loss=1 / 30) as link:
+        address = f"tcp://{link.address(0)}:8786"
+        dask = [sys.executable, "-m"]
+        link.start(0, [*dask, "distributed.cli.dask_scheduler", "--host", link.address(0), "--port", 8786, "--no-dashboard", "--no-show"], **options)
+        for _ in range(2):
+            link.start(1, [*dask, "distributed.cli.dask_worker", address, "--host", link.address(1), "--nthreads", 1, "--no-dashboard", "--no-nanny"], **options)
+        caller = link.start(0, [sys.executable, "-c", CALLER, scene._open.file, address, tmp_path / "picture.npy"], **{**options, "stderr": subprocess.PIPE})
+        _, problems = caller.communicate(timeout=240)
+        assert caller.returncode == 0, problems.decode()
+        assert np.array_equal(np.load(tmp_path / "picture.npy"), alone.array)
+        assert link.lost > 5 and link.sent_again(0) + link.sent_again(1) > 0
 
 
 def test_rows_of_a_sweep(scene, client, tmp_path):

@@ -106,6 +106,79 @@ def test_features_are_filtered_before_they_guide(network):
     assert clean and albedo.max() <= 1
 
 
+def test_a_render_is_denoised_by_itself(network, tmp_path):
+    """Features, variance and a film without overlapping pixels come with the picture, and the EXR keeps both."""
+    calls = network(lambda color: color)
+    scene = aureole.load_string(SCENE)
+    image = aureole.render(scene, 64, progress=False, denoise=True)
+    assert [call[3] for call in calls] == [False, False, True]  # albedo, normal, picture
+    assert image.channels == ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z", "noisy.R", "noisy.G", "noisy.B"]
+    np.testing.assert_allclose(image["albedo.G"][8, 12], 0.5, atol=0.01)
+    # The noisy picture is that of 4 replicates of 16 samples with a box filter.
+    boxed = aureole.load_string(SCENE.replace('hdrfilm">', 'hdrfilm"><rfilter type="box"/>'))
+    noisy = aureole.render(boxed, 16, replicates=4, progress=False)
+    np.testing.assert_array_equal(image[["noisy.R", "noisy.G", "noisy.B"]], noisy[["R", "G", "B"]])
+    np.testing.assert_array_equal(calls[2][0], noisy[["R", "G", "B"]])
+    assert image.complete and "box" not in scene.xml()  # the scene has its own filter still
+    image.save(tmp_path / "a.exr")
+    again = aureole.read_image(tmp_path / "a.exr")
+    assert sorted(again.channels) == sorted(image.channels)
+    described = aureole.info(tmp_path / "a.exr").text
+    assert "edited       denoised by Open Image Denoise, quality high" in described
+    assert "4 replicates, whose variances are not stored" in described
+    with pytest.raises(aureole.Error, match='is denoised already: it has the layer "noisy"'):
+        aureole.denoise(again)
+
+
+def test_layers_of_a_picture_guide(network):
+    calls = network(lambda color: color)
+    names = ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z"]
+    pixels = np.random.default_rng(4).uniform(0, 1, (6, 5, 9)).astype(np.float32)
+    aureole.denoise(aureole.Image(pixels, names))
+    assert len(calls) == 3 and calls[2][4] is True
+    np.testing.assert_array_equal(calls[2][1], pixels[..., 3:6])
+    np.testing.assert_allclose(calls[2][2], pixels[..., 6:], atol=1e-6)
+
+
+def test_the_header_stays(network, tmp_path):
+    network(lambda color: color)
+    aureole.render(aureole.load_string(SCENE), 4, seed=77, progress=False).save(tmp_path / "a.exr")
+    aureole.denoise(aureole.read_image(tmp_path / "a.exr")).save(tmp_path / "b.exr")
+    before, after = (aureole.info(tmp_path / name).text for name in ("a.exr", "b.exr"))
+    assert "77" in before and "77" in after
+
+
+def test_denoise_argument(network, monkeypatch):
+    network(lambda color: color)
+    scene = aureole.load_string(SCENE)
+    image = aureole.render(scene, 1, progress=False)
+    with pytest.raises(aureole.Error, match="start: a picture that is denoised can't be continued"):
+        aureole.render(scene, 2, start=image, denoise=True, progress=False)
+    with pytest.raises(TypeError, match="denoise: expected"):
+        aureole.render(scene, 2, denoise="yes", progress=False)
+    monkeypatch.setitem(sys.modules, "pyoidn", None)
+    with pytest.raises(aureole.Error, match="pip install pyoidn"):  # before anything is rendered
+        aureole.render(scene, 10**9, denoise=True, progress=False)
+
+
+def program_environment():
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PATH": os.path.dirname(sys.executable) + os.pathsep + os.environ["PATH"]}
+
+
+def test_the_command_refuses_before_it_renders(tmp_path):
+    (tmp_path / "scene.xml").write_text(SCENE)
+    (tmp_path / "no").mkdir()
+    (tmp_path / "no" / "pyoidn.py").write_text("raise ImportError('not here')")
+    environment = program_environment()
+    environment["PYTHONPATH"] = os.pathsep.join([str(tmp_path / "no"), environment["PYTHONPATH"]])
+    for words, said in ((["-o", "a.exr", "--spp", "100000000"], "pip install 'aureole[denoise]'"), (["-o", "a.hdr"], "the output is an .exr"),
+                        (["--pixel", "1,1"], "either --denoise or --pixel"), (["--samples", "0:16"], "merge the parts")):
+        done = subprocess.run([os.environ["AUREOLE_BINARY"], "render", "scene.xml", "--denoise", *words], cwd=tmp_path, capture_output=True, text=True,
+                              env=environment, timeout=120)
+        assert done.returncode == 2 and said in done.stderr, done.stderr
+    assert not (tmp_path / "a.exr").exists()
+
+
 def test_bad_input(network):
     network(lambda color: color)
     image = aureole.Image(np.ones((3, 4, 3)))
@@ -130,7 +203,7 @@ def test_a_missing_package_is_a_sentence(monkeypatch):
 def test_the_network_and_the_command(tmp_path):
     pytest.importorskip("pyoidn", reason="the network needs Open Image Denoise: pip install pyoidn")
     (tmp_path / "scene.xml").write_text(SCENE)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PATH": os.path.dirname(sys.executable) + os.pathsep + os.environ["PATH"]}
+    environment = program_environment()
     done = subprocess.run([os.environ["AUREOLE_BINARY"], "denoise", "scene.xml", "--spp", "16", "--replicates", "2", "-q", "-o", "a.exr"], cwd=tmp_path, capture_output=True,
                           text=True, env=environment)
     assert done.returncode == 0, done.stderr
@@ -138,3 +211,16 @@ def test_the_network_and_the_command(tmp_path):
     error = lambda names: np.sqrt(np.mean((found[names] - truth[["R", "G", "B"]]) ** 2))
     assert error(["R", "G", "B"]) < 0.6 * error(["noisy.R", "noisy.G", "noisy.B"])
     assert (tmp_path / "a.png").exists()
+    # `render --denoise` gives a picture whose bits are those of `aureole.render(..., denoise=True)`.
+    done = subprocess.run([os.environ["AUREOLE_BINARY"], "render", "scene.xml", "--denoise", "--spp", "64", "-o", "b.exr", "--tonemap", "asinh:4:0"], cwd=tmp_path,
+                          capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert "divided among 4 replicates" in done.stderr and "filter is \"box\"" in done.stderr
+    by_command, here = aureole.read_image(tmp_path / "b.exr"), aureole.render(aureole.load_string(SCENE), 64, progress=False, denoise=True)
+    for name in here.channels:
+        np.testing.assert_array_equal(by_command[name], here[name])
+    found = by_command
+    assert error(["R", "G", "B"]) < 0.75 * error(["noisy.R", "noisy.G", "noisy.B"])
+    assert not (tmp_path / "b.state").exists()
+    aureole.convert(tmp_path / "b.exr", tmp_path / "c.png", tonemap="asinh:4:0")
+    assert (tmp_path / "b.png").read_bytes() == (tmp_path / "c.png").read_bytes()

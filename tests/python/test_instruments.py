@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import re
 import subprocess
 
 import numpy as np
@@ -21,11 +22,13 @@ PLANE = """<scene version="3.0.0">
   <shape type="rectangle"><transform name="to_world"><scale value="3"/><translate z="-1"/></transform><bsdf type="diffuse" id="mat-itu_concrete"/></shape>
 </scene>"""
 #: Commands whose results Python has by a function, or by a package; others write files or print pages.
-FUNCTIONS = {"compare": "compare", "convert": "convert", "denoise": "denoise", "droplet-size": "droplet_size", "info": "info", "layer": "layer", "medium": "medium",
-             "microstructure": "microstructure", "powermap": "powermap", "render": "render", "rings": "rings"}
-PACKAGES = {"pigment": "aureole.pigment", "cluster": "aureole.cluster"}
-COMMAND_LINE_ONLY = {"bake", "color", "convert-bsdf", "docs", "expose", "gallery", "goniometer", "goniophotometer", "illumination", "lens",
-                     "lightfield", "list", "merge", "photometry", "spectrophotometer", "spectroradiometer"}
+FUNCTIONS = {"color": "color", "compare": "compare", "convert": "convert", "convert-bsdf": "convert_bsdf", "denoise": "denoise",
+             "droplet-size": "droplet_size", "expose": "expose", "goniometer": "goniometer", "goniophotometer": "goniophotometer",
+             "illumination": "illumination", "info": "info", "layer": "layer", "lens": "lens", "lightfield": "lightfield",
+             "medium": "medium", "microstructure": "microstructure", "photometry": "photometry", "powermap": "powermap",
+             "render": "render", "rings": "rings", "spectrophotometer": "spectrophotometer", "spectroradiometer": "spectroradiometer"}
+PACKAGES = {"cache": "aureole.cache", "pigment": "aureole.pigment", "cluster": "aureole.cluster"}
+COMMAND_LINE_ONLY = {"bake", "docs", "gallery", "list", "merge"}
 
 
 @pytest.fixture
@@ -193,8 +196,9 @@ def test_powermap(folder):
         aureole.powermap(folder / "plane.xml", plane=(0, 0, 0), frequency="3.5GHz")
     with pytest.raises(aureole.Error, match="need the path of a scene"):
         aureole.powermap(aureole.load_string("<scene version='3.0.0'><sensor type='perspective'/></scene>"), plane=(0, 0, 0))
-    with pytest.raises(aureole.Error, match="power"):
-        aureole.powermap(folder / "plane.xml", 16, power="2 horses", progress=False, **options)
+    for bad in ("2 horses", "W", "-3W"):
+        with pytest.raises(aureole.Error, match='power: .* is no positive power: write "2", "2W", "500mW" or "33dBm"'):
+            aureole.powermap(folder / "plane.xml", 16, power=bad, progress=False, **options)
 
 
 def test_plots(folder):
@@ -207,3 +211,31 @@ def test_plots(folder):
     with pytest.warns(UserWarning):
         aureole.powermap(folder / "plane.xml", 16, progress=False, plane=(0, 0, 0), size=(2, 1), cell=0.25, frequency="3.5GHz", transmitters=[(0, 0, 2)])[0].plot(show="dBm")
     matplotlib.pyplot.close("all")
+
+
+def test_a_missing_unit_is_answered_in_the_words_of_python(tmp_path):
+    """All arguments with a unit: the sentence names the argument and shows a value as Python writes it, with no option of the command line."""
+    picture = aureole.Image(np.random.default_rng(1).uniform(0, 1, (40, 60, 3)))
+    micrograph = tmp_path / "a.png"
+    picture.save(micrograph)
+    layer, fog = aureole.load_dict({"type": "diffuse"}), aureole.load_dict({"type": "homogeneous", "sigma_t": 1.0})
+    rings = {"radius": "5um", "area_fraction": 0.3, "pane_distance": "0.5m", "lamp_distance": "20m", "lamp_diameter": "5cm"}
+    calls = {
+        **{name: (lambda bad, name=name: aureole.rings(picture, **{**rings, name: bad}))
+           for name in ("radius", "correlation_radius", "pane_distance", "lamp_distance", "lamp_diameter")},
+        **{name: (lambda bad, name=name: aureole.droplet_size(picture, **{name: bad}))
+           for name in ("pixel_angle", "angle_error", "lamp_angle", "inner")},
+        "length": lambda bad: aureole.medium(fog, length=bad),
+        "angle": lambda bad: aureole.layer(layer, angle=bad),
+        "pixel_size": lambda bad: aureole.microstructure(str(micrograph), pixel_size=bad),
+    }
+    for name, call in calls.items():
+        for bad in ("5", "5 furlongs", "um", ""):
+            with pytest.raises(aureole.Error) as error:
+                call(bad)
+            assert re.match(rf'{name}: expected an? (length|angle) with its unit, such as "[0-9.]+(um|mm|cm|m|deg)", got ', str(error.value)), str(error.value)
+            assert "--" not in str(error.value) and "<" not in str(error.value)
+    for entry in ({"type": "correlated_scatterers", "radius": 5.0, "area_fraction": 0.3}, {"type": "mie", "radius": 5.0}):
+        with pytest.raises(aureole.SceneError, match='a physical length needs a unit: write "radius": "5um"'):
+            aureole.load_dict(entry)
+

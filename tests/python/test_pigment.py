@@ -2,6 +2,9 @@
 """aureole.pigment: the closed forms that the C++ tests do not share, and a fit, a mixture and a match together."""
 from __future__ import annotations
 
+import doctest
+import importlib
+import warnings
 import zipfile
 
 import numpy as np
@@ -310,6 +313,43 @@ def test_index_of_grains_by_name():
     assert "rutile" in pigment.grain_names() and "titanium white" in pigment.grain_names()
     n = pigment.grain_index("Titanium White", [[500, 589.3]])
     assert n.shape == (1, 2) and n[0, 1].real == pytest.approx((2 * 2.613 + 2.909) / 3, abs=4e-3)
+
+
+def test_free_films_by_both_theories(tmp_path):
+    nm = np.array([400.0, 550.0, 700.0])
+    k, s = np.array([2e4, 1e4, 0.0]), np.array([4e4, 3e4, 2e4])
+    seen = pigment.saunderson(0.0418, 0.5963, specular="excluded")
+    # N = (1 - k2 R)^2 - (k2 T)^2 for equal interfaces on both sides.
+    inner = pigment.layer(k, s, 20e-6)
+    free = pigment.Paint(nm, k, s, seen).free_film(20e-6)
+    n = (1 - seen.k2 * inner.reflectance) ** 2 - (seen.k2 * inner.transmittance) ** 2
+    np.testing.assert_allclose(free.transmittance, seen.through * inner.transmittance / n, rtol=1e-12)
+    np.testing.assert_allclose(
+        free.reflectance, seen.through * (inner.reflectance - seen.k2 * (inner.reflectance**2 - inner.transmittance**2)) / n, rtol=1e-12)
+    # By streams: K = 2 sigma_a, S = 3/4 sigma_s (1 - g) in a slab of the binder in air, without gloss.
+    by = pigment.Streams(index=1.5, g=0.7, geometry="d8", specular="excluded")
+    free = pigment.Paint(nm, k, s, seen, by).free_film(20e-6)
+    slab = optics.PlaneStack([optics.StackLayer(20e-6, absorption=k / 2, scattering=4 / 3 * s / 0.3, g=0.7, index=1.5)], streams=32)
+    expected = slab.fluxes(cosine=np.cos(np.radians(8)))
+    np.testing.assert_allclose(free.reflectance, expected.reflectance - expected.unscattered_reflectance, atol=1e-3)
+    np.testing.assert_allclose(free.transmittance, expected.transmittance, atol=1e-3)
+    with pytest.raises(aureole.Error, match="thickness"):
+        pigment.Paint(nm, k, s, seen, by).free_film(-1)
+    # A joint fit of the free film by streams has its K and S.
+    rows = [f"{q},ink,none,{q},20," + ",".join(f"{x:.6f}" for x in values)
+            for q, values in (("R", expected.reflectance - expected.unscattered_reflectance), ("T", expected.transmittance))]
+    (tmp_path / "free.csv").write_text("sample,paints,backing,quantity,thickness_um,400,550,700\n" + "\n".join(rows) + "\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = pigment.joint_fit(tmp_path / "free.csv", theory="streams", geometry="d8", index=1.5, g=0.7, noise=1e-3)
+    ink = found.palette.mix("ink")
+    np.testing.assert_allclose(ink.k[:2], k[:2], rtol=0.1)
+    np.testing.assert_allclose(ink.s, s, rtol=0.1)
+
+
+def test_examples_of_the_modules():
+    for module in ("_paint_colours", "_paint_fits", "_paint_layers", "_paint_palettes"):
+        assert doctest.testmod(importlib.import_module(f"aureole.{module}"), optionflags=doctest.ELLIPSIS).failed == 0
 
 
 def _films(path, hidden=False):

@@ -6,6 +6,7 @@ import builtins
 import io
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any, Optional
 
 import pytest
@@ -50,3 +51,15 @@ def test_the_module_is_not_loaded() -> None:
                "except ImportError as e:\n    print(e, 'aureole._aureole' in sys.modules)\n")
     done = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, check=True)
     assert done.stdout == ("aureole: this processor lacks avx2, fma, bmi2 (x86-64-v3), which this build needs False\n")
+
+
+def test_the_command_says_so_without_a_traceback(tmp_path: Path) -> None:
+    command = tmp_path / "aureole"  # as pip writes it
+    command.write_text("import builtins, io, sys\n"
+                       "real = builtins.open\n"
+                       "builtins.open = lambda p, *a, **k: io.StringIO('flags : sse2') if p == '/proc/cpuinfo' else real(p, *a, **k)\n"
+                       "from aureole._command import main\n"
+                       "sys.exit(main())\n")
+    done = subprocess.run([sys.executable, command, "--version"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "aureole: this processor lacks avx2, fma, bmi2 (x86-64-v3), which this build needs\n"

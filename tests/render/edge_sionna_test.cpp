@@ -141,16 +141,22 @@ const Line kLines[] = {
     {"behind two blocks", box(-8, -8, 0, 0) + box(4, -9, 12, 1), {-9, 5.5, 1}, -0.5, {15, 5}, {15, -7}, 20},
 };
 
-/// In beams of about the first zone of Fresnel: 4 m is the distance D of docs/diffraction.md, about.
-testing::Picture received(const Line& line, double ghz, int samples) {
+/// Edges in beams of about the first zone of Fresnel: 4 m is the distance D of docs/diffraction.md, about.
+constexpr const char* kBeams =
+    R"(<integer name="max_depth" value="2"/><string name="beam_width" value="fresnel 4m"/>)";
+/// Segments, with direct light and what edges diffract alone.
+constexpr const char* kSoftSegments =
+    R"(<integer name="max_depth" value="1"/><string name="diffraction_model" value="segments"/>
+    <string name="diffraction_polarisation" value="soft"/>)";
+
+testing::Picture received(const Line& line, double ghz, int samples, const std::string& model = kBeams) {
   const double dx = line.end[0] - line.begin[0], dy = line.end[1] - line.begin[1];
   RenderOptions options;
   options.replicates = 16;
   return testing::render(
       load_scene_from_string(
           fmt::format(R"(<scene version="3.0.0">
-  <integrator type="path"><integer name="max_depth" value="2"/><boolean name="diffraction" value="true"/>
-    <string name="beam_width" value="fresnel 4m"/></integrator>
+  <integrator type="path"><boolean name="diffraction" value="true"/>{}</integrator>
   <sensor type="powermap"><transform name="to_world"><scale x="{}" y="0.01"/><rotate z="1" angle="{}"/>
       <translate x="{}" y="{}" z="{}"/></transform>
     <sampler type="sobol"><integer name="sample_count" value="{}"/></sampler>
@@ -159,7 +165,7 @@ testing::Picture received(const Line& line, double ghz, int samples) {
       <integer name="bins" value="1"/><boolean name="preview" value="false"/></film></sensor>
   <emitter type="point"><point name="position" x="{}" y="{}" z="{}"/><spectrum name="intensity" value="1"/></emitter>
   {}</scene>)",
-                      0.5 * std::hypot(dx, dy), std::atan2(dy, dx) * 180 / pi,
+                      model, 0.5 * std::hypot(dx, dy), std::atan2(dy, dx) * 180 / pi,
                       0.5 * (line.begin[0] + line.end[0]), 0.5 * (line.begin[1] + line.end[1]), line.z,
                       samples, line.cells, ghz * 1.001, ghz * 0.999, line.lamp[0], line.lamp[1], line.lamp[2],
                       line.obstacles),
@@ -229,6 +235,32 @@ void expect_agreement(int number, double ghz) {
     std::printf("  %d to %d degrees (%d): over soft: %s; over the mean of both: %s; over half planes: %s\n",
                 15 * angle, 15 * angle + 15, kinds[0].count, kinds[0].text().c_str(), kinds[1].text().c_str(),
                 kinds[2].text().c_str());
+}
+
+// Segments with soft polarisation, around obstacles of metal, against paths of sionna-rt that are added with their phases.
+TEST(EdgeSionna, SegmentsOfSoftPolarisation) {
+  for (const int number : {0, 1})
+    for (const double ghz : {3.5, 28.0}) {
+      Line line = kLines[number];
+      const std::string black = R"(<bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf>)";
+      line.obstacles.replace(line.obstacles.find(black), black.size(),
+                             R"(<bsdf type="conductor"><string name="material" value="none"/></bsdf>)");
+      const testing::Picture p = received(line, ghz, kSanitized ? 1 : 32, kSoftSegments);
+      if (kSanitized) continue;
+      const std::vector<Cell> cells = references(number, ghz, line.cells);
+      Differences shadow, light;
+      for (int i = 0; i < line.cells; ++i) {
+        const Cell& c = cells[std::size_t(i)];
+        const double off = db(p.mean[std::size_t(i)] / c.fields);
+        std::printf("%s, %.1f GHz, cell %d: turn %.1f, v %.2f, %+.2f dB over sionna-rt\n", line.name, ghz, i,
+                    c.turn, c.fresnel_number, off);
+        (c.fresnel_number < 0 ? shadow : light).add(off);
+      }
+      std::printf("  segments, soft, %s, %.1f GHz: shadow %s; light %s\n", line.name, ghz,
+                  shadow.text().c_str(), light.text().c_str());
+      EXPECT_LT(std::abs(shadow.largest), 0.5);
+      EXPECT_LT(std::abs(light.largest), 1);
+    }
 }
 
 TEST(EdgeSionna, BehindAWall) {

@@ -330,5 +330,103 @@ TEST(Exposure, MistakesAreNamed) {
       "cannot move");
 }
 
+std::string moving(const std::string& first, const std::string& last) {
+  return "<animation name='to_world'><transform time='0'>" + first + "</transform><transform time='1'>" +
+         last + "</transform></animation>";
+}
+/// A disc of 1000 cd/m^2 and radius 1 that faces the receiver, in an instance.
+std::string disc_lamp(const std::string& place) {
+  return "<shape type='shapegroup' id='lamp'><shape type='disk'><transform name='to_world'><rotate x='1' angle='180'/></transform>"
+         "<emitter type='area'><string name='amount' value='1000 cd/m^2'/></emitter></shape></shape>"
+         "<shape type='instance'><ref id='lamp'/>" +
+         place + "</shape>";
+}
+
+TEST(Exposure, ShapesThatShineInInstances) {
+  // E = pi L r^2/(r^2 + h^2), at rest, and in the mean over heights from 2 to 3: pi L (atan 3 - atan 2).
+  const std::string rest = disc_lamp("<transform name='to_world'><translate z='2'/></transform>"),
+                    rising = disc_lamp(moving("<translate z='2'/>", "<translate z='3'/>"));
+  for (const char* integrator : {"path", "bdpt"}) {
+    expect_time_mean(receiver("") + kFar + rest, 200 * M_PI, 256, integrator);
+    expect_time_mean(receiver(shutter(0, 1)) + kFar + rising, 1000 * M_PI * (std::atan(3.0) - std::atan(2.0)),
+                     1024, integrator);
+  }
+  // Light paths: on a receiver that is large enough for them.
+  const auto wide = [](const std::string& times) {
+    return "<sensor type='powermap'><string name='measure' value='irradiance'/><transform name='to_world'><scale value='0.5'/>"
+           "</transform>" +
+           times + film("illuminance") + "</sensor>";
+  };
+  const double by_paths = mean_of(picture_of(wide(shutter(0, 1)) + kFar + rising, 65536, 3, "path")),
+               by_light = mean_of(picture_of(wide(shutter(0, 1)) + kFar + rising, 65536, 3, "ptracer"));
+  EXPECT_NEAR(by_light, by_paths, 0.01 * by_paths);
+  // Two instances are two lamps: beside each other, from above and from a wall.
+  expect_time_mean(
+      receiver("") + kFar + rest +
+          "<shape type='instance'><ref id='lamp'/><transform name='to_world'><translate x='5' z='2'/></transform></shape>",
+      200 * M_PI +
+          mean_of(picture_of(
+              receiver("") + kFar +
+                  "<shape type='disk'><transform name='to_world'><rotate x='1' angle='180'/><translate x='5' z='2'/></transform>"
+                  "<emitter type='area'><string name='amount' value='1000 cd/m^2'/></emitter></shape>",
+              65536)),
+      1024);
+}
+
+TEST(Exposure, LampsThatMove) {
+  // 100 cd at the height of 2, from x = -1 to 1: the mean of 2 I (4 + x^2)^(-3/2) is I/(2 sqrt(5)).
+  const std::string from = "<translate x='-1' z='2'/>", to = "<translate x='1' z='2'/>";
+  // A spot whose beam is as wide as the half-space points down all the time.
+  const std::string down = "<rotate x='1' angle='180'/>";
+  for (const char* integrator : {"path", "bdpt"})
+    expect_time_mean(
+        receiver(shutter(0, 1)) + kFar +
+            "<emitter type='spot'><float name='cutoff_angle' value='80'/><float name='beam_width' value='80'/>"
+            "<string name='amount' value='100 cd'/>" +
+            moving(down + from, down + to) + "</emitter>",
+        100 / (2 * std::sqrt(5.0)), 1024, integrator);
+  // A spot that turns: its beam of 10 degrees passes the receiver while the axis is within 10 of 90 degrees of its turn.
+  expect_time_mean(
+      receiver(shutter(0, 1)) + kFar +
+          "<emitter type='spot'><float name='cutoff_angle' value='10'/><float name='beam_width' value='10'/>"
+          "<string name='amount' value='100 cd'/>" +
+          moving("<rotate x='1' angle='135'/><translate z='2'/>",
+                 "<rotate x='1' angle='225'/><translate z='2'/>") +
+          "</emitter>",
+      25.0 * 20 / 90, 4096);
+  EXPECT_NE(problem_with(receiver(shutter(0, 1)) + kFar + "<emitter type='spot'>" +
+                         moving("", "<scale value='2'/>") + "</emitter>")
+                .find("must not be scaled or sheared while it moves"),
+            std::string::npos);
+  EXPECT_NE(problem_with(receiver(shutter(0, 1)) + kFar +
+                         disc_lamp("<transform name='to_world'><scale value='2'/></transform>"))
+                .find("may be turned and moved, but not scaled"),
+            std::string::npos);
+  EXPECT_NE(problem_with(receiver(shutter(0, 1)) + kFar + "<emitter type='directional'>" +
+                         moving("", "<rotate x='1' angle='20'/>") + "</emitter>")
+                .find("to_world"),
+            std::string::npos);
+}
+
+TEST(Exposure, ShortPulsesAreFound) {
+  // A pulse of 5 us in an exposure of 0.1 s: even times find it in one of 20000 paths.
+  const std::string pulse =
+      "<modulation type='timetable'><string name='times' value='0, 0.02, 0.02, 0.020005, 0.020005, 0.1'/>"
+      "<string name='values' value='0, 0, 1, 1, 0, 0'/>" +
+      kPeak + "</modulation>";
+  expect_time_mean(receiver(shutter(0, 0.1)) + lamp(pulse), 200 * 5e-5, 256);
+  // Pulses of 1 % of each period, and a rolling shutter, whose rows see other pulses.
+  const std::string pulses =
+      wave("square", 100, kPeak + "<float name='duty' value='0.01'/><float name='phase' value='0.3'/>");
+  expect_time_mean(receiver(shutter(0, 0.1)) + lamp(pulses), 2, 256);
+  // A steady lamp beside it keeps its light: two lux each. Each path chooses one of both, which is noisy.
+  expect_time_mean(
+      receiver(shutter(0, 0.1)) + lamp(pulses) +
+          "<emitter type='point'><point name='position' x='0' y='0' z='1'/><string name='amount' value='2 cd'/></emitter>",
+      4, 16384);
+  for (const char* integrator : {"bdpt"})
+    expect_time_mean(receiver(shutter(0, 0.1)) + lamp(pulses), 2, 1024, integrator);
+}
+
 }  // namespace
 }  // namespace aureole::test

@@ -321,5 +321,82 @@ TEST(PhotometricQuantities, ErrorsAreLocated) {
   EXPECT_EQ(parse_emission_amount(" 2.5e3 kcd/m^2 ").value, 2.5e6);
 }
 
+TEST(PhotometricQuantities, PowerAndEnergy) {
+  // A small receiver of 2 mm x 2 mm at 200 lx: lm; the side of a sphere of radius 0.5 with a lamp of 1000 lm in its middle.
+  const std::string lamp = kFar + point_light(amount("800 cd"));
+  expect_reading(read(receiver("luminous_flux") + lamp, 256), 200 * 4e-6);
+  expect_reading(
+      read(receiver("luminous_flux", "irradiance", "<float name='shutter_close' value='0.5'/>") + lamp, 256),
+      200 * 4e-6);
+  const auto around = [](const std::string& quantity, const std::string& more = "") {
+    return "<shape type='sphere'><float name='radius' value='0.5'/><boolean name='flip_normals' value='true'/>"
+           "<bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf><sensor type='irradiancemeter'>" +
+           more + square_film(quantity) + "</sensor></shape>" + point_light(amount("1000 lm"), 0.2);
+  };
+  expect_reading(read(around("luminous_flux"), 1024), 1000);
+  expect_reading(read(around("luminous_energy", "<float name='shutter_close' value='3'/>"), 1024), 3000);
+  // One watt of photons of 550 nm within a narrow film: 1 W is lambda/(h c N_A) mol/s.
+  const std::string film =
+      "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/><string name='quantity' value='photon_flux'/>"
+      "<float name='wavelength_min' value='549'/><float name='wavelength_max' value='551'/><rfilter type='box'/></film>";
+  expect_reading(
+      read(
+          "<shape type='sphere'><boolean name='flip_normals' value='true'/><bsdf type='diffuse'><rgb name='reflectance' "
+          "value='0'/></bsdf><sensor type='irradiancemeter'>" +
+              film + "</sensor></shape>" + point_light(amount("1 W"), 0),
+          1024),
+      550e-9 / (6.62607015e-34 * 299792458 * 6.02214076e23) * 1e6);
+  const auto fails = [](const std::string& content, const std::string& what) {
+    const std::string message = error(content);
+    EXPECT_NE(message.find(what), std::string::npos) << message;
+  };
+  fails(receiver("luminous_flux", "fluence") + kFar, "must be \"irradiance\"");
+  fails("<shape type='rectangle'><sensor type='powermap'><string name='measure' value='irradiance'/>" +
+            square_film("luminous_flux") + "</sensor></shape>",
+        "differ in their areas");
+  fails("<sensor type='perspective'><string name='measure' value='irradiance'/>" +
+            square_film("radiant_energy") + "</sensor>" + kFar,
+        "quantity");
+}
+
+TEST(PhotometricQuantities, EyesAtDusk) {
+  // A source of 1 cd in light of a black body of 2856 K (illuminant A), whose S/P ratio is 1.4123.
+  const std::string lamp =
+      kFar + point_light(amount("100 cd", "<float name='color_temperature' value='2855.5'/>"), 1);
+  const Reading photopic = read(receiver("illuminance") + lamp, 1024),
+                scotopic = read(receiver("scotopic_illuminance") + lamp, 1024);
+  expect_reading(photopic, 100);
+  EXPECT_NEAR(scotopic.mean / photopic.mean, 1.4123, 0.004);
+  // The mesopic one lies on the line between both, by the m of the adaptation (CIE 191, table for 0.3 cd/m^2).
+  const std::string adapted =
+      "<sensor type='powermap'><transform name='to_world'><scale value='0.001'/></transform><string name='measure' value='irradiance'/>" +
+      square_film(
+          "mesopic_illuminance",
+          "<float name='adaptation_luminance' value='0.3'/><float name='scotopic_to_photopic' value='1.4123'/>") +
+      "</sensor>";
+  const double v = 683.0 / 1699;
+  double m = 0.5;  // the fixed point of CIE 191, equation 4, found by itself
+  for (int i = 0; i < 100; ++i) {
+    const double mesopic = (m * 0.3 + (1 - m) * 0.3 * 1.4123 * v) / (m + (1 - m) * v);
+    m = std::clamp(0.767 + 0.3334 * std::log10(mesopic), 0.0, 1.0);
+  }
+  expect_reading(read(adapted + lamp, 1024),
+                 (m * photopic.mean + (1 - m) * v * scotopic.mean) / (m + (1 - m) * v));
+  // V_M exceeds V at short wavelengths: at 440 nm 0.0379 against 0.023, at 555 nm they agree.
+  const auto at = [](double nm, const std::string& quantity) {
+    const std::string line =
+        std::to_string(nm - 0.5) + ":0, " + std::to_string(nm) + ":1, " + std::to_string(nm + 0.5) + ":0";
+    return read(
+               receiver(quantity) + kFar +
+                   "<emitter type='point'><point name='position' x='0' y='0' z='1'/><spectrum name='intensity' value='" +
+                   line + "'/></emitter>",
+               4096)
+        .mean;
+  };
+  EXPECT_NEAR(at(440, "judd_vos_illuminance") / at(440, "illuminance"), 0.037900 / 0.023, 0.02);
+  EXPECT_NEAR(at(555, "judd_vos_illuminance") / at(555, "illuminance"), 1, 0.005);
+  EXPECT_NE(error(receiver("mesopic_illuminance") + lamp).find("adaptation_luminance"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace aureole::test

@@ -82,6 +82,61 @@ TEST(PowerMap, APointSendsItsPowerOverASphere) {
     }
 }
 
+/// Irradiance of a horizontal point from a horizontal square of side 2 `half` at the height h above the point, of radiance 1:
+/// pi times the view factor, a sum over its corners.
+double irradiance_of_square(double x, double y, double h, double half) {
+  const auto corner = [&](double a, double b) {
+    const double p = std::hypot(a, h), q = std::hypot(b, h);
+    return 0.5 * (a / p * std::atan(b / p) + b / q * std::atan(a / q));
+  };
+  return corner(half - x, half - y) + corner(half + x, half - y) + corner(half - x, half + y) +
+         corner(half + x, half + y);
+}
+
+// Lights with a shape, small and near, are found by light sampling at the receivers and by their rays, weighted against each
+// other: rays alone find the small one with one of 2,000 samples and less.
+TEST(PowerMap, FindsLightsWithAShapeByLightSampling) {
+  for (const auto& [half, height] : {std::pair(0.02, 1.0), {1.5, 0.25}}) {
+    const std::string lamp = "<shape type='rectangle'><transform name='to_world'><scale value='" +
+                             std::to_string(half) + "'/><rotate x='1' angle='180'/><translate x='0.5' z='" +
+                             std::to_string(height) +
+                             "'/></transform><emitter type='area'><spectrum name='radiance' value='2'/>"
+                             "</emitter></shape>";
+    for (const char* integrator : {"path", "ptracer", "bdpt", "direct"}) {
+      const Image map_image = picture(integrator, map(kWide, "irradiance") + lamp, 512, 8);
+      for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 6; ++x) {
+          const double expected = mean_of_cell(
+              x, y, [&](double a, double b) { return 2 * irradiance_of_square(a - 0.5, b, height, half); });
+          EXPECT_NEAR(map_image.at(x, y, 0), expected, 0.04 * expected + 1e-3)
+              << half << " " << integrator << " " << x << " " << y;
+        }
+    }
+  }
+}
+
+// A sky with a bright spot beside even light, and a receiver of each measure: the means of both techniques agree, so that the sum
+// of the weights is 1.
+TEST(PowerMap, WeightsOfRaysAndLightSamplingSumToOne) {
+  const std::string lights =
+      "<emitter type='constant'><spectrum name='radiance' value='0.5'/></emitter>"
+      "<shape type='sphere'><point name='center' x='0.5' y='0.3' z='1.5'/><float name='radius' value='0.5'/>"
+      "<emitter type='area'><spectrum name='radiance' value='4'/></emitter></shape>";
+  for (const std::string measure : {"fluence", "irradiance", "cylindrical", "semicylindrical"}) {
+    const Image by_sum = picture("path", map(kWide, measure) + lights, 256, 16);
+    // Rays alone: lights with the weight 0 are never sampled.
+    std::string unsampled = lights;
+    for (std::size_t at = 0; (at = unsampled.find("</emitter>", at)) != std::string::npos; at += 60)
+      unsampled.insert(at, "<float name='sampling_weight' value='0'/>");
+    const Image by_rays = picture("path", map(kWide, measure) + unsampled, 256, 16);
+    const Comparison c = compare_images(by_sum, by_rays);
+    ASSERT_TRUE(c.z);
+    EXPECT_LT(c.z->mean_square, 2.5) << measure;
+    EXPECT_LT(std::abs(c.z->mean_difference), 4) << measure;
+    EXPECT_NEAR(c.mean_a, c.mean_b, 0.01 * c.mean_b) << measure;
+  }
+}
+
 TEST(PowerMap, IrradianceIsThatOfOneSide) {
   const Image from_below =
       picture("path", map(std::string(kWide) + "<rotate x='1' angle='180'/>", "irradiance") + kLamp, 4);

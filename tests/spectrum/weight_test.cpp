@@ -47,6 +47,19 @@ TEST(Weight, LightPathsComposeAsLightGoes) {
   for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(reached[i], 3 * kExpected.a[i], 1e-5f);
 }
 
+TEST(PathDensity, WavelengthsOfALightPathShareIt) {
+  // Each wavelength could have been the hero that chose the direction: the path counts over the sum of their pdfs.
+  const Spectrum pdf = make_spectrum([](int i) { return 0.5f + 0.25f * float(i); });
+  const Spectrum value = make_spectrum([](int i) { return 2.f - 0.2f * float(i); });
+  LightPathDensity path;
+  path.beta = Unpolarised::emitted(kRadiance);
+  path.extend(Weight(value), pdf, false);
+  const Wavelengths w = Wavelengths::at(SpectralGrid{}, Spectrum(500.f));
+  const Spectrum reached = path.reached(Weight(0.5f), 3, w),
+                 expected = kRadiance * value * 1.5f / (w.pdf * sum(pdf));
+  for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(reached[i], expected[i], 1e-6f);
+}
+
 TEST(PathDensity, RatiosOfWalkingAndOfLightSampling) {
   const Spectrum pdf = make_spectrum([](int i) { return 0.5f + 0.25f * float(i); });
   PathDensity path;

@@ -310,6 +310,7 @@ Gallery read_gallery(const std::filesystem::path& folder) {
       plot.kind = plots[i].text("kind");
       plot.caption = plots[i].text("caption", "");
       plot.parameters = plots[i].json();
+      plot.folder = folder;
       try {
         check_plot(plot);
       } catch (const Error& e) {

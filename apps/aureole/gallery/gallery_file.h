@@ -53,6 +53,7 @@ struct PictureTable {
 
 struct GalleryPlot {
   std::string name, kind, caption;
+  std::filesystem::path folder;  ///< of the gallery, in which files of the parameters are
   nlohmann::json parameters;
 };
 

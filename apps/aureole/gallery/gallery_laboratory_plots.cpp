@@ -107,6 +107,9 @@ LaboratoryCurves edge_loss(const std::vector<double>& ports_mm, double scatterin
   Plot plot{"Light lost beside the port", "diameter of the port, mm", "reflectance factor de:8", {}, false};
   std::vector<std::string> numbers;
   int colour = 0;
+  PlotSeries predicted;
+  predicted.label = "diffusion, scaled to the widest port", predicted.color = kLaboratoryColours[1];
+  double widest = 0;
   for (const bool by_theory : {true, false}) {
     PlotSeries series{.kind = by_theory ? PlotSeries::Kind::line : PlotSeries::Kind::points,
                       .x = {},
@@ -127,9 +130,15 @@ LaboratoryCurves edge_loss(const std::vector<double>& ports_mm, double scatterin
             series.high.push_back(m.values[0] + 2 * m.error(0));
       else
         numbers.push_back(fmt::format("{:g} mm {:.4f}", port, m.values[0]));
+      if (by_theory && !m.edge_loss.empty()) {
+        predicted.x.push_back(port), predicted.y.push_back(1 - m.edge_loss[0]);
+        widest = m.values[0] / (1 - m.edge_loss[0]);
+      }
     }
     plot.series.push_back(series);
   }
+  for (double& y : predicted.y) y *= widest;
+  if (!predicted.x.empty()) plot.series.push_back(predicted);
   return {svg_plot(plot),
           fmt::format("A slab of {:g} mm that scatters {:g} times a mm, albedo 0.999, reads {}.",
                       thickness_mm, scattering_per_mm, fmt::join(numbers, ", "))};

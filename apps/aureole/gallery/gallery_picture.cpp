@@ -11,6 +11,7 @@
 #include "aureole/core/version.h"
 #include "aureole/loading/references.h"
 #include "aureole/loading/upgrade.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -68,6 +69,7 @@ RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, 
   const auto start = std::chrono::steady_clock::now();
   LoadOptions load;
   load.defines = all_defines(picture, size);
+  load.tables = table_cache();
   // exception type that is not derived from std::exception, which would become an error of the scene
   struct Stopped {};
   load.progress = [&](const std::string& object, double part) {

@@ -22,6 +22,8 @@
 #include "aureole/optics/particle/mie_sphere.h"
 #include "gallery/gallery_edge_plots.h"
 #include "gallery/gallery_laboratory_plots.h"
+#include "gallery/gallery_light_plots.h"
+#include "gallery/gallery_volume_plots.h"
 
 namespace aureole {
 namespace {
@@ -45,6 +47,8 @@ public:
     const std::string name = next(".svg", caption);
     write_file_atomically(folder_ / name, text);
   }
+  /// Writes a picture that is encoded for display.
+  void picture(const LightPicture& p) { write_png(folder_ / next(".png", p.caption), p.picture); }
   /// Writes a picture; `value` returns the value in [0, 1] of a pixel.
   void map(int width, int height, const std::function<double(int, int)>& value, const std::string& caption);
 
@@ -302,9 +306,52 @@ void plot_goniometer_lobes(const GalleryPlot& plot, GallerySize size, Output& ou
   out.svg(c.svg, c.caption);
 }
 
-/// A parameter of a plot in the gallery file: a number, a list of numbers or one of a set of words.
+std::filesystem::path file_of(const GalleryPlot& plot, const char* name) {
+  return plot.folder / plot.parameters.at(name).get<std::string>();
+}
+LightEffort effort_of(const GalleryPlot& plot, GallerySize size) {
+  return size == kFullSize ? LightEffort{1, std::int64_t(number(plot, "spp"))}
+                           : LightEffort{int(number(plot, "preview_divisor")), 16};
+}
+void plot_light_photometry(const GalleryPlot& plot, GallerySize size, Output& out) {
+  out.picture(measured_picture(file_of(plot, "scene"), numbers(plot, "isolines"), number(plot, "threshold"),
+                               effort_of(plot, size), out.stop()));
+}
+void plot_light_cameras(const GalleryPlot& plot, GallerySize size, Output& out) {
+  std::vector<std::filesystem::path> cameras;
+  for (const Json& name : plot.parameters.at("cameras"))
+    cameras.push_back(plot.folder / name.get<std::string>());
+  out.picture(exposed_pictures(file_of(plot, "scene"), cameras, numbers(plot, "exposures"),
+                               effort_of(plot, size), out.stop()));
+}
+void plot_light_field(const GalleryPlot& plot, GallerySize size, Output& out) {
+  out.picture(refocused_pictures(file_of(plot, "scene"), number(plot, "diameter"), numbers(plot, "focus"),
+                                 effort_of(plot, size), out.stop()));
+}
+void plot_light_illumination(const GalleryPlot& plot, GallerySize size, Output& out) {
+  out.picture(local_and_global(file_of(plot, "scene"), effort_of(plot, size), out.stop()));
+}
+void plot_light_definition(const GalleryPlot& plot, GallerySize size, Output& out) {
+  const std::string which = plot.parameters.at("what").get<std::string>();
+  const std::int64_t spp = size == kFullSize ? 4096 : 512;
+  const LightCurves c = which == "tilt"      ? tilted_detector(spp, out.stop())
+                        : which == "baffle"  ? baffled_detector(spp, out.stop())
+                        : which == "lambert" ? lambertian_disc(spp, out.stop())
+                                             : coverage_by_scale(size == kFullSize ? 200000 : 50000, 1);
+  out.svg(c.svg, c.caption);
+}
+
+void plot_step_errors(const GalleryPlot& plot, GallerySize size, Output& out) {
+  const int width = size == kFullSize ? 480 : 160;
+  const VolumeCurves c =
+      steps_against_error(file_of(plot, "scene"), numbers(plot, "steps"), width, width * 5 / 8, out.stop());
+  if (!out.is_stopped()) out.svg(c.svg, c.caption);
+}
+
+/// A parameter of a plot in the gallery file: a number, a list of numbers, one of a set of words, or the name of a file beside
+/// the gallery's or a list of such names.
 struct Parameter {
-  enum Type { number, list, word } type;
+  enum Type { number, list, word, file, files } type;
   const char* name;
   double low = 0, high = 0;
   std::vector<std::string> words = {};
@@ -317,10 +364,16 @@ struct Parameter {
     if (type == number) return in_range(v);
     if (type == list)
       return v.is_array() && !v.empty() && v.size() <= most && std::all_of(v.begin(), v.end(), in_range);
+    const auto is_name = [](const Json& x) { return x.is_string() && !x.get<std::string>().empty(); };
+    if (type == file) return is_name(v);
+    if (type == files)
+      return v.is_array() && !v.empty() && v.size() <= most && std::all_of(v.begin(), v.end(), is_name);
     return v.is_string() && std::find(words.begin(), words.end(), v.get<std::string>()) != words.end();
   }
   std::string expected() const {
     if (type == word) return fmt::format("one of {}", fmt::join(words, ", "));
+    if (type == file) return "the name of a file";
+    if (type == files) return "a list of names of files";
     return fmt::format("{} from {:g} to {:g}",
                        type == list ? fmt::format("a list of 1 to {} numbers", most) : "a number", low, high);
   }
@@ -394,6 +447,37 @@ const std::map<std::string, Kind>& kinds() {
          {P::number, "thickness_mm", 0.01, 100}}}},
       {"goniometer_lobes",
        {plot_goniometer_lobes, 1, {{P::number, "alpha", 0.02, 1}, {P::list, "incident", 0, 80}}}},
+      {"light_photometry",
+       {plot_light_photometry,
+        1,
+        {{P::file, "scene"},
+         {P::list, "isolines", 0, 1e9},
+         {P::number, "threshold", 0, 1e9},
+         {P::number, "preview_divisor", 1, 16},
+         {P::number, "spp", 1, 65536}}}},
+      {"light_cameras",
+       {plot_light_cameras,
+        1,
+        {{P::file, "scene"},
+         {P::files, "cameras"},
+         {P::list, "exposures", 1e-9, 1e6},
+         {P::number, "preview_divisor", 1, 16},
+         {P::number, "spp", 1, 65536}}}},
+      {"light_field",
+       {plot_light_field,
+        1,
+        {{P::file, "scene"},
+         {P::number, "diameter", 0, 1e6},
+         {P::list, "focus", 1e-9, 1e9},
+         {P::number, "preview_divisor", 1, 16},
+         {P::number, "spp", 1, 65536}}}},
+      {"light_illumination",
+       {plot_light_illumination,
+        1,
+        {{P::file, "scene"}, {P::number, "preview_divisor", 1, 16}, {P::number, "spp", 1, 65536}}}},
+      {"light_definition",
+       {plot_light_definition, 1, {{P::word, "what", 0, 0, {"tilt", "baffle", "lambert", "scale"}}}}},
+      {"step_errors", {plot_step_errors, 1, {{P::file, "scene"}, {P::list, "steps", 0.05, 64}}}},
       {"structure_map", {plot_structure_map, 1, {{P::number, "u", 1, 200}, {P::number, "highest", 1, 10}}}}};
   return all;
 }
@@ -412,6 +496,8 @@ void check_plot(const GalleryPlot& plot) {
     known.push_back(p.name);
     if (!plot.parameters.contains(p.name) || !p.is_good(plot.parameters[p.name]))
       throw Error(fmt::format("a plot \"{}\" needs \"{}\", {}", plot.kind, p.name, p.expected()));
+    if (p.type == Parameter::file && !std::filesystem::exists(file_of(plot, p.name)))
+      throw Error(fmt::format("there is no file {}", file_of(plot, p.name).string()));
   }
   for (const auto& [name, value] : plot.parameters.items())
     if (std::find(known.begin(), known.end(), name) == known.end())

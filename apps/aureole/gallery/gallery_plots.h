@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plots of galleries, computed with `optics` without rendering.
+// The plots of galleries: most are computed with `optics`, some from pictures of a scene.
 #pragma once
 
 #include <atomic>

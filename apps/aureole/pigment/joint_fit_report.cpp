@@ -369,14 +369,9 @@ JointPalette fit_jointly(const std::string& file, const pigment::SampleTable& ta
       c.theory = std::move(theory), c.name = c.theory->name();
       c.fit = std::make_unique<pigment::JointFit>(table, *c.theory, options.settings);
     };
-    const bool free_films =
-        std::any_of(table.samples.begin(), table.samples.end(),
-                    [](const pigment::Sample& s) { return !s.paints.empty() && s.backing == "none"; });
     if (options.theory != "streams") add(pigment::two_flux_theory(surface.surface()));
-    if (options.theory == "streams" || (options.theory == "best" && !free_films))
+    if (options.theory != "two-flux")
       add(pigment::streams_theory(streams_settings(surface, options), for_ranges));
-    if (options.theory == "best" && free_films)
-      tell("note: {}: the theory by streams has no free films; two fluxes are fitted alone\n", file);
 
     for (const std::string& note : pigment::joint_notes(*candidates.front().fit))
       tell("note: {}: {}\n", file, note);

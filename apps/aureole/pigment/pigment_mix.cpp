@@ -23,6 +23,7 @@ struct MixOptions {
   double substrate = 1, step = 20;
   std::string plot;
   int ladder = 0;
+  bool is_free = false;
   SurfaceOptions surface;
 };
 
@@ -42,8 +43,20 @@ std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
   return all;
 }
 
+/// Reflectances and transmittances of layers.
+struct Measured {
+  std::vector<double> reflectance, transmittance;
+  explicit Measured(const std::vector<pigment::LayerTransfer>& layers) {
+    for (const pigment::LayerTransfer& l : layers)
+      reflectance.push_back(l.reflectance), transmittance.push_back(l.transmittance);
+  }
+};
+
 int mix(const MixOptions& o) {
   o.surface.note_unused();
+  if (o.is_free && o.layer.thickness.empty())
+    throw Error("--free: a free film has a thickness; give one, as in --thickness 20um");
+  if (o.is_free && o.substrate != 1) throw Error("--substrate: a free film (--free) has none");
   const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
   const std::vector<double> fractions =
       recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
@@ -53,35 +66,50 @@ int mix(const MixOptions& o) {
   const pigment::Observation lamp = observe(o.layer.light.viewing(), palette.nm);
   std::optional<pigment::StreamsMixture> streams;
   if (palette.streams) streams.emplace(palette, for_ranges);
+  const auto film = [&](const std::vector<double>& f) {
+    if (streams) return Measured(streams->free_film(f, thickness));
+    std::vector<pigment::LayerTransfer> layers;
+    for (const pigment::Coefficients& c : pigment::mix(palette, f))
+      layers.push_back(pigment::outer_transfer(palette.surface, pigment::layer(c, thickness)));
+    return Measured(layers);
+  };
   const auto reflectance = [&](const std::vector<double>& f) {
+    if (o.is_free) return film(f).reflectance;
     if (streams) return streams->reflectance(f, thickness, substrate);
     return pigment::paint_reflectance(pigment::mix(palette, f), thickness, substrate, palette.surface);
   };
   const pigment::Paint paint = pigment::mix(palette, fractions);
   const std::vector<double> mixed = reflectance(fractions);
-  if (!streams)
+  const std::vector<double> through = o.is_free ? film(fractions).transmittance : std::vector<double>();
+  if (!streams && !o.is_free)
     note_two_flux_doubt(palette, paint, thickness, o.substrate, o.surface.index, lamp, "this layer");
 
-  fmt::print(
-      "{}\n{}{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
-      std::isinf(thickness) ? "opaque" : fmt::format("{} thick over {:g}", o.layer.thickness, o.substrate),
-      streams ? ", by streams" : "", o.layer.light.viewing(), colour_text(lamp, mixed));
-  fmt::print("{:>8} {:>12} {:>12} {:>9} {:>9}\n", "nm", palette.relative ? "K, relative" : "K, 1/m",
-             palette.relative ? "S, relative" : "S, 1/m", "R inner", "R");
+  fmt::print("{}\n{}{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
+             std::isinf(thickness) ? "opaque"
+             : o.is_free           ? fmt::format("a free film, {} thick", o.layer.thickness)
+                                   : fmt::format("{} thick over {:g}", o.layer.thickness, o.substrate),
+             streams ? ", by streams" : "", o.layer.light.viewing(), colour_text(lamp, mixed));
+  if (o.is_free) fmt::print("in transmission: {}\n\n", colour_text(lamp, through));
+  fmt::print("{:>8} {:>12} {:>12} {:>9} {:>9}{}\n", "nm", palette.relative ? "K, relative" : "K, 1/m",
+             palette.relative ? "S, relative" : "S, 1/m", "R inner", "R",
+             o.is_free ? fmt::format(" {:>9}", "T") : "");
   double next = palette.nm.front();
   for (std::size_t i = 0; i < palette.nm.size(); ++i) {
     if (palette.nm[i] < next) continue;
     while (next <= palette.nm[i]) next += o.step;
-    // Streams print no reflectance below the interface: light there is not diffuse, and no single number
+    // Streams and free films print no reflectance below the interface: light there is not diffuse, and no single number
     // describes its reflectance.
-    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:>9} {:9.5f}\n", palette.nm[i], paint[i].k, paint[i].s,
-               streams ? "-" : fmt::format("{:.5f}", pigment::inner_reflectance(palette.surface, mixed[i])),
-               mixed[i]);
+    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:>9} {:9.5f}{}\n", palette.nm[i], paint[i].k, paint[i].s,
+               streams || o.is_free
+                   ? "-"
+                   : fmt::format("{:.5f}", pigment::inner_reflectance(palette.surface, mixed[i])),
+               mixed[i], o.is_free ? fmt::format(" {:9.5f}", through[i]) : "");
   }
   nlohmann::json out = {{"theory", streams ? "streams" : "two fluxes"},
                         {"recipe", nlohmann::json::object()},
                         {"wavelengths_nm", palette.nm},
                         {"reflectance", mixed}};
+  if (o.is_free) out["transmittance"] = through;
   for (const auto& c : components_of(palette, fractions)) out["recipe"][c.name] = c.fraction;
   for (const auto& c : paint) out["k"].push_back(c.k), out["s"].push_back(c.s);
   const pigment::Lab lab = lamp.lab(mixed);
@@ -110,6 +138,9 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--substrate", o->substrate, "inner reflectance of the substrate, for layers with a thickness")
       .between(0.0, 1.0)
       .shows_default();
+  options.add(
+      "--free", o->is_free,
+      "a free film of this thickness, without a substrate: reflectance and transmittance, with an interface on each side");
   o->surface.declare(options, "the result, instead of the palette's interface");
   options.add("--step", o->step, "step between printed wavelengths in nm").between(0.01, 1e9).shows_default();
   options

@@ -2,6 +2,7 @@
 // `Primitive`: geometry with its material, media and emitter. Scenes are made of primitives.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <string>
@@ -57,9 +58,17 @@ struct ShapeList {
   std::vector<BsdfPtr> bsdfs;
   std::vector<SurfaceMedia> media;
   std::vector<std::shared_ptr<const Properties>> elements;  ///< the element that each shape comes from
-  std::vector<bool> is_part_of_closed;                      ///< the flag of each shape, as in `Primitive`
+  std::vector<std::shared_ptr<const Emitter>> emitters;     ///< the emitter of each shape, or null
+  std::vector<std::shared_ptr<const AreaSampler>>
+      areas;                            ///< the area sampler of each shape that emits, or null
+  std::vector<bool> is_part_of_closed;  ///< the flag of each shape, as in `Primitive`
   Bounds3 bounds;
 
+  /// Whether a shape emits.
+  bool shines() const {
+    return std::any_of(emitters.begin(), emitters.end(),
+                       [](const auto& emitter) { return emitter != nullptr; });
+  }
   std::size_t triangle_count() const;
   std::size_t memory_bytes() const;
 };

@@ -20,10 +20,6 @@ ShapeGroup::ShapeGroup(const Properties& properties) : Asset(properties) {
 }
 
 void ShapeGroup::add(const Asset& asset) {
-  for (const Primitive& primitive : asset.primitives())
-    if (primitive.emitter)
-      throw Error(primitive.emitter->properties().where(),
-                  "a shape of a group cannot be an emitter: instances do not shine");
   if (const auto& sensor = asset.sensor())
     throw Error(sensor->properties().where(), "a shape of a group cannot be a sensor");
   if (const auto* group = dynamic_cast<const ShapeGroup*>(&asset)) {
@@ -38,6 +34,7 @@ void ShapeGroup::add(const Asset& asset) {
     for (const Primitive& primitive : asset.primitives()) {
       own_.shapes.push_back(primitive.shape), own_.bsdfs.push_back(primitive.bsdf);
       own_.media.push_back(primitive.media), own_.elements.push_back(primitive.element);
+      own_.emitters.push_back(primitive.emitter), own_.areas.push_back(primitive.area);
       own_.is_part_of_closed.push_back(primitive.is_part_of_closed);
       own_.bounds.extend(primitive.shape->bounds());
     }
@@ -47,6 +44,7 @@ void ShapeGroup::add(const Asset& asset) {
 void ShapeGroup::add(const ShapeList& other, std::size_t i) {
   own_.shapes.push_back(other.shapes[i]), own_.bsdfs.push_back(other.bsdfs[i]);
   own_.media.push_back(other.media[i]), own_.elements.push_back(other.elements[i]);
+  own_.emitters.push_back(other.emitters[i]), own_.areas.push_back(other.areas[i]);
   own_.is_part_of_closed.push_back(other.is_part_of_closed[i]);
   own_.bounds.extend(other.shapes[i]->bounds());
 }
@@ -56,7 +54,7 @@ AUREOLE_PLUGIN(
     PluginDoc{
         .summary =
             "Shapes that `instance` puts into the scene, any number of times, with the memory of one copy. "
-            "The group itself is not rendered. Its shapes keep their own BSDFs; they cannot be emitters. "
+            "The group itself is not rendered. Its shapes keep their own BSDFs and emitters; instances of a group that emits may be turned and moved only. "
             "Groups and instances within a group are allowed.",
         .source = "",
         .parameters = {{"shape", "shape", "", "none", "any number of shapes"}},

@@ -74,7 +74,7 @@ public:
       return std::make_shared<const LayerTables>(
           make_layer_tables(p, std::move(shapes), ranges, phase_nm_, substrate_, obliquity_.is_reciprocal()));
     });
-    if (!tables_) return;
+    if (!tables_ || !tables_->model) return;
     model_ = tables_->model;
     sampler_ = tables_->sampler;
     balance_ = tables_->balance;

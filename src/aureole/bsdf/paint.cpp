@@ -210,6 +210,17 @@ private:
     return thickness_factor_.minimum() < thickness_factor_.maximum() || blend_.minimum() < blend_.maximum();
   }
 
+  /// The tables of a theory by streams, which do not depend on a palette.
+  struct FilmTables {
+    pigment::StreamsTables streams;
+
+    static constexpr TableKind kTable{"film by streams", 1};
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.streams);
+    }
+  };
+
   /// Tabulates a uniform layer as streams predict it, within the smooth interface of the palette's measurements.
   void tabulate_by_streams(const Properties& properties, const pigment::Palette& palette,
                            const std::vector<double>& fractions, double thickness) {
@@ -218,10 +229,14 @@ private:
     by.specular = pigment::Specular::excluded;
     const bool has_g = std::any_of(palette.pigments.begin(), palette.pigments.end(),
                                    [](const pigment::Pigment& p) { return p.g.has_value(); });
-    const auto theory = properties.shared_model<pigment::FilmTheory>(
-        {by.index, by.g, double(by.geometry), double(has_g)},
-        [&] { return pigment::theory_of(measured, for_ranges); });
-    if (!theory) return;
+    const pigment::StreamsSettings settings = pigment::streams_settings(measured);
+    const auto tables =
+        properties.shared_model<FilmTables>({by.index, by.g, double(by.geometry), double(has_g)}, [&] {
+          return std::make_shared<const FilmTables>(
+              FilmTables{pigment::streams_tables(settings, for_ranges)});
+        });
+    if (!tables) return;
+    const auto theory = pigment::streams_theory(settings, tables->streams);
     const pigment::Surface surface =
         by.index > 1 ? pigment::smooth_surface(by.index, by.geometry, by.specular) : pigment::Surface();
     const pigment::Paint paint = pigment::mix(palette, fractions);

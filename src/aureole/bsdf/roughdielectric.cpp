@@ -103,6 +103,13 @@ private:
     std::vector<float> entering;  ///< transmittance 1 - F from above, at the nodes of the index
     const LossTable& side(bool is_below) const { return is_below ? below : above; }
 
+    static constexpr TableKind kTable{"energy loss of a rough interface", 1};
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.above, self.below, self.entering);
+    }
+
+    Multiple() = default;
     Multiple(const Roughness& roughness, const std::vector<float>& etas) {
       const auto kept = [](const ScatteredEnergy& e) { return e.reflected + e.transmitted; };
       above = LossTable(roughness, etas, [&](const Microfacets& d, const Vec3& wi, float eta, int points) {

@@ -38,13 +38,13 @@ public:
       throw properties.error("int_ior", "the index is the same on both sides, which is no coating");
     std::vector<double> key = roughness_.table_key();
     key.insert(key.end(), {double(low_), double(high_), double(preserving)});
-    coatings_ = properties.shared_model<std::vector<RoughCoating>>(key, [&] {
-      auto made = std::make_shared<std::vector<RoughCoating>>();
-      made->emplace_back(facets_, low_, preserving);
-      if (high_ > low_) made->emplace_back(facets_, high_, preserving);
+    coatings_ = properties.shared_model<RoughCoatings>(key, [&] {
+      auto made = std::make_shared<RoughCoatings>();
+      made->by_index.emplace_back(facets_, low_, preserving);
+      if (high_ > low_) made->by_index.emplace_back(facets_, high_, preserving);
       return made;
     });
-    if (coatings_) first_ = &coatings_->front(), last_ = &coatings_->back();
+    if (coatings_) first_ = &coatings_->by_index.front(), last_ = &coatings_->by_index.back();
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -139,7 +139,7 @@ private:
   Roughness roughness_;
   Microfacets facets_;
   float low_ = 1, high_ = 1;  // smallest and largest index, interior over exterior
-  std::shared_ptr<const std::vector<RoughCoating>> coatings_;
+  std::shared_ptr<const RoughCoatings> coatings_;
   const RoughCoating *first_ = nullptr,
                      *last_ = nullptr;  ///< coatings of the smallest and of the largest index
 };

@@ -111,15 +111,14 @@ int lock_of(const fs::path& path) {
   return -1;
 }
 
-/// Removes the temporary files or folders of programs that were killed while they wrote the same target.
-/// Temporary files of running programs are locked and stay.
-void remove_leftovers(const fs::path& folder, const std::string& name) {
-  const std::string beginning = part_beginning(folder, name);
+/// Removes the temporary files or folders whose names `is_part_of_ours` accepts. Those of running programs are locked and
+/// stay.
+template <class IsPart>
+void remove_unlocked(const fs::path& folder, const IsPart& is_part_of_ours) {
   std::vector<fs::path> parts;
   std::error_code code;
   for (fs::directory_iterator i(folder, code), end; !code && i != end; i.increment(code))
-    if (is_part(i->path().filename().string(), beginning) &&
-        (i->is_regular_file(code) || i->is_directory(code)))
+    if (is_part_of_ours(i->path().filename().string()) && (i->is_regular_file(code) || i->is_directory(code)))
       parts.push_back(i->path());
   for (const fs::path& part : parts) {
     const int d = lock_of(part);
@@ -127,6 +126,12 @@ void remove_leftovers(const fs::path& folder, const std::string& name) {
     fs::remove_all(part, code);
     ::close(d);
   }
+}
+
+/// Removes the temporary files or folders of programs that were killed while they wrote the same target.
+void remove_leftovers(const fs::path& folder, const std::string& name) {
+  const std::string beginning = part_beginning(folder, name);
+  remove_unlocked(folder, [&](const std::string& candidate) { return is_part(candidate, beginning); });
 }
 
 /// Whether an open file or folder still has its name: another program may have taken it for a leftover before it
@@ -218,6 +223,15 @@ void write_file_atomically(const fs::path& file, std::span<const char> bytes) {
   const bool good = write_all(d, bytes);
   const int error = errno;
   if (::close(d) != 0 || !good) fail_by_system(file, "cannot be written", good ? errno : error);
+}
+
+void remove_unfinished_files(const fs::path& folder,
+                             const std::function<bool(const std::string& target)>& is_ours) {
+  remove_unlocked(folder, [&](const std::string& candidate) {
+    const std::size_t at = candidate.rfind(kPart);
+    return at != std::string::npos && is_ours(candidate.substr(0, at)) &&
+           is_part(candidate, candidate.substr(0, at));
+  });
 }
 
 void require_writable(const fs::path& file) {

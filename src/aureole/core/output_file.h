@@ -14,6 +14,11 @@ namespace aureole {
 /// such as /dev/null is written directly. Throws Error located at `file`, also for a pipe or socket.
 void write_file_atomically(const std::filesystem::path& file, std::span<const char> bytes);
 
+/// Removes temporary files that programs which were killed have left in a folder: those of targets for whose names `is_ours`
+/// returns true. Temporary files of running programs stay.
+void remove_unfinished_files(const std::filesystem::path& folder,
+                             const std::function<bool(const std::string& target)>& is_ours);
+
 /// Throws Error if a file of this name cannot be written: tries to create the temporary file that
 /// `write_file_atomically` creates. Call it before spending hours on the file's content.
 void require_writable(const std::filesystem::path& file);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "aureole/math/motion.h"
 #include "aureole/medium/medium.h"
 #include "aureole/modulation/modulation.h"
 #include "aureole/plugin/object.h"
@@ -44,6 +45,7 @@ struct EmittedRay {
   float pdf_position = 0;   ///< pdf [1/m^2], or a probability mass if `delta_position`
   float pdf_direction = 0;  ///< pdf [1/sr], or a probability mass if `delta_direction`
   bool delta_position = false, delta_direction = false;
+  float time = 0;  ///< [s], of a light that moves
 };
 
 /// The pdfs of `Emitter::sample_ray`, or probability masses for delta positions and directions.
@@ -78,7 +80,9 @@ public:
 
   /// How its light changes over time; null: it does not. `Light` multiplies the emission by it.
   const Modulation* modulation() const { return modulation_.get(); }
-  /// Whether its light depends on the time.
+  /// Key frames of an emitter that is not on a shape and is written for the first of them; null: `Light` does not move it.
+  virtual const Motion* motion() const { return nullptr; }
+  /// Whether its light depends on the time, other than by `motion`.
   virtual bool changes() const { return modulation_ != nullptr; }
 
   /// Whether it emits from the surface of its parent shape. Other emitters cannot be children of shapes.

@@ -66,7 +66,8 @@ class PhotometricEmitter final : public Emitter {
 public:
   explicit PhotometricEmitter(const Properties& p)
       : Emitter(p),
-        placement_(get_placement(p)),
+        motion_(get_placement_motion(p)),
+        placement_(get_placement(p, motion_.first())),
         light_(get_luminaire(p)),
         sampler_(light_.luminaire.distribution),
         opening_(p.get_choice("opening", "file", {"file", "point"}) == "file" ? light_.luminaire.opening
@@ -74,6 +75,7 @@ public:
                  p.context().length_unit_m) {}
 
   bool is_delta() const override { return true; }
+  const Motion* motion() const override { return motion_.is_moving() ? &motion_ : nullptr; }
 
   std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
@@ -135,6 +137,7 @@ private:
                                : placement_.origin + placement_.axes.to_world(opening_.sample(u));
   }
 
+  Motion motion_;
   Placement placement_;
   LuminaireLight light_;
   IntensitySampler sampler_;
@@ -157,7 +160,7 @@ AUREOLE_PLUGIN(
             {{"opening", "string", "", "file", "file: the luminous opening of the file; point: a point"},
              {"to_world", "transform", "", "identity",
               "light to world: moves the photometric centre and turns +z to the direction of both angles zero. It does "
-              "not scale the opening"}}),
+              "not scale the opening. An `<animation>` of key frames moves the light"}}),
         {R"(<emitter type="photometric">
     <string name="filename" value="downlight.ies"/> <float name="color_temperature" value="3000"/>
     <float name="flux" value="1200"/> <float name="scale" value="0.8"/> <float name="tilt_angle" value="0"/>

@@ -19,7 +19,8 @@ class ProjectorEmitter final : public Emitter {
 public:
   explicit ProjectorEmitter(const Properties& p)
       : Emitter(p),
-        placement_(get_placement(p)),
+        motion_(get_placement_motion(p)),
+        placement_(get_placement(p, motion_.first())),
         scale_(float(p.get_float("scale", 1, Range::non_negative()))) {
     const Emission emission(p, "irradiance");
     irradiance_ = emission.texture();
@@ -34,6 +35,7 @@ public:
   }
 
   bool is_delta() const override { return true; }
+  const Motion* motion() const override { return motion_.is_moving() ? &motion_ : nullptr; }
 
   std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
@@ -138,6 +140,7 @@ private:
     distribution_ = Piecewise2D(weights, columns, rows);
   }
 
+  Motion motion_;
   Placement placement_;
   TexturePtr irradiance_;
   float scale_, half_width_, half_height_;  ///< scale, and half the picture's width and height at z = 1
@@ -162,7 +165,8 @@ AUREOLE_PLUGIN(
              {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
              {"focal_length", "string", "mm", "50mm",
               "instead of fov: focal length of a 35 mm camera with the same diagonal field of view"},
-             {"to_world", "transform", "", "identity", "projector to world; must not scale"}},
+             {"to_world", "transform", "", "identity",
+              "projector to world; must not scale. An `<animation>` of key frames moves the light"}},
             "lm, W", "flux of the picture, before `scale`"),
         {R"(<emitter type="projector">
     <texture name="irradiance" type="d65"><texture type="bitmap"><string name="filename" value="slide.png"/></texture></texture>

@@ -22,7 +22,8 @@ class SpotEmitter final : public Emitter {
 public:
   explicit SpotEmitter(const Properties& p)
       : Emitter(p),
-        placement_(get_placement(p)),
+        motion_(get_placement_motion(p)),
+        placement_(get_placement(p, motion_.first())),
         texture_(get_optional_texture(p, "texture", SpectrumRole::response)) {
     const Emission emission(p, "intensity");
     intensity_ = emission.texture();
@@ -55,6 +56,7 @@ public:
   }
 
   bool is_delta() const override { return true; }
+  const Motion* motion() const override { return motion_.is_moving() ? &motion_ : nullptr; }
 
   std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
@@ -172,6 +174,7 @@ private:
     return {grid, std::move(nodes)};
   }
 
+  Motion motion_;
   Placement placement_;
   TexturePtr intensity_, texture_;  ///< intensity, and the picture, which may be null
   double cutoff_, beam_;            ///< angles of the cutoff and of the beam [rad]
@@ -195,7 +198,8 @@ AUREOLE_PLUGIN(
               "picture that multiplies the intensity; it fills the square around the cutoff's circle, u along "
               "+x"},
              {"to_world", "transform", "", "identity",
-              "light to world: moves the origin to the light and turns +z along the beam"}},
+              "light to world: moves the origin to the light and turns +z along the beam. An `<animation>` of key frames moves the "
+              "light"}},
             "lm, W, cd, W/sr", "flux of the light, or its intensity in the beam"),
         {R"(<emitter type="spot">
     <transform name="to_world"><lookat origin="0, 4, 5" target="0, 0, 0" up="0, 1, 0"/></transform>

@@ -39,6 +39,10 @@ void Film::set_measured(MeasuredKind kind, std::string name) {
   if (!measured_name_.empty()) measured_name_ += ' ';
 }
 
+void Film::refuse_flux(const std::string& reason) const {
+  if (measures_flux()) throw properties().error("quantity", "is power or energy: " + reason);
+}
+
 const char* radiometric_name(MeasuredKind kind) {
   return kind == MeasuredKind::radiance     ? "radiance"
          : kind == MeasuredKind::irradiance ? "irradiance"

@@ -30,6 +30,11 @@ public:
   /// Tells the film how long a point of it is exposed [s], for quantities over time. Throws Error if it measures one and
   /// the duration is 0.
   virtual void set_exposure(double /*seconds*/) {}
+  /// Whether it measures power or energy, in W, lm, J or lm s, instead of its density per area. A sensor of the irradiance
+  /// then multiplies by the area of a pixel [m^2], or refuses (`Film::refuse_flux`).
+  virtual bool measures_flux() const { return false; }
+  /// Throws Error if the film measures power or energy, of which `reason` says why the sensor cannot.
+  void refuse_flux(const std::string& reason) const;
   /// Whether it measures a quantity over time, such as J/m^2 or lx s.
   virtual bool integrates_over_time() const { return false; }
 

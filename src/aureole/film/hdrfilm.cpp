@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // High-dynamic-range film: measures CIE XYZ, or the mean spectral radiance of another band.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "aureole/film/film.h"
+#include "aureole/optics/photometry/glare.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/photometry.h"
@@ -18,9 +21,12 @@ struct FilmQuantity {
   MeasuredKind kind;
   SampledSpectrum (*weight)(const SpectralGrid&);
   bool over_time = false;  ///< multiplied by the duration of the exposure
+  bool is_flux = false;    ///< multiplied by the area of a pixel
 };
 
 SampledSpectrum one(const SpectralGrid& grid) { return SampledSpectrum::constant(grid, 1); }
+/// Stands for `mesopic_efficacy`, which depends on the adaptation.
+SampledSpectrum mesopic(const SpectralGrid& grid) { return mesopic_efficacy(grid, 1); }
 
 constexpr FilmQuantity kQuantities[] = {
     {"radiance", "radiance", "W/(m^2 sr)", MeasuredKind::radiance, one},
@@ -35,6 +41,23 @@ constexpr FilmQuantity kQuantities[] = {
     {"scotopic_luminance", "scotopic luminance", "cd/m^2", MeasuredKind::radiance, scotopic_efficacy},
     {"scotopic_illuminance", "scotopic illuminance", "lx", MeasuredKind::irradiance, scotopic_efficacy},
     {"scotopic_intensity", "scotopic luminous intensity", "cd", MeasuredKind::intensity, scotopic_efficacy},
+    {"judd_vos_luminance", "luminance by V_M of Judd and Vos", "cd/m^2", MeasuredKind::radiance,
+     modified_photopic_efficacy},
+    {"judd_vos_illuminance", "illuminance by V_M of Judd and Vos", "lx", MeasuredKind::irradiance,
+     modified_photopic_efficacy},
+    {"judd_vos_intensity", "luminous intensity by V_M of Judd and Vos", "cd", MeasuredKind::intensity,
+     modified_photopic_efficacy},
+    {"mesopic_luminance", "mesopic luminance", "cd/m^2", MeasuredKind::radiance, mesopic},
+    {"mesopic_illuminance", "mesopic illuminance", "lx", MeasuredKind::irradiance, mesopic},
+    {"mesopic_intensity", "mesopic luminous intensity", "cd", MeasuredKind::intensity, mesopic},
+    {"radiant_flux", "radiant flux", "W", MeasuredKind::irradiance, one, false, true},
+    {"photon_flux", "photon flux", "umol/s", MeasuredKind::irradiance, photons_per_joule, false, true},
+    {"luminous_flux", "luminous flux", "lm", MeasuredKind::irradiance, photopic_efficacy, false, true},
+    {"scotopic_flux", "scotopic luminous flux", "lm", MeasuredKind::irradiance, scotopic_efficacy, false,
+     true},
+    {"radiant_energy", "radiant energy", "J", MeasuredKind::irradiance, one, true, true},
+    {"photon_number", "number of photons", "umol", MeasuredKind::irradiance, photons_per_joule, true, true},
+    {"luminous_energy", "luminous energy", "lm s", MeasuredKind::irradiance, photopic_efficacy, true, true},
     {"time_integrated_radiance", "time-integrated radiance", "J/(m^2 sr)", MeasuredKind::radiance, one, true},
     {"radiant_exposure", "radiant exposure", "J/m^2", MeasuredKind::irradiance, one, true},
     {"time_integrated_intensity", "time-integrated radiant intensity", "J/sr", MeasuredKind::intensity, one,
@@ -51,10 +74,11 @@ struct FilmUnit {
   const char *name, *of;
   double size;
 };
-constexpr FilmUnit kFilmUnits[] = {{"nit", "cd/m^2", 1},           {"kcd/m^2", "cd/m^2", 1e3},
-                                   {"fL", "cd/m^2", 3.4262590996}, {"klx", "lx", 1e3},
-                                   {"fc", "lx", 10.763910417},     {"kcd", "cd", 1e3},
-                                   {"mW/cm^2", "W/m^2", 10}};
+constexpr FilmUnit kFilmUnits[] = {
+    {"nit", "cd/m^2", 1},     {"kcd/m^2", "cd/m^2", 1e3}, {"fL", "cd/m^2", 3.4262590996},
+    {"klx", "lx", 1e3},       {"fc", "lx", 10.763910417}, {"kcd", "cd", 1e3},
+    {"mW/cm^2", "W/m^2", 10}, {"mW", "W", 1e-3},          {"kW", "W", 1e3},
+    {"klm", "lm", 1e3},       {"mJ", "J", 1e-3},          {"lm h", "lm s", 3600}};
 
 std::vector<std::string> quantity_names() {
   std::vector<std::string> names{"relative"};
@@ -87,6 +111,7 @@ public:
     alpha_ = format == "rgba" || format == "xyza" || format == "luminance_alpha";
     kind_ = format.starts_with("rgb") ? Kind::rgb : format.starts_with("xyz") ? Kind::xyz : Kind::luminance;
 
+    read_adaptation(p);
     const SpectralGrid& grid = p.context().grid;
     uniform_ = p.get_choice("response", "cie1931", {"cie1931", "uniform"}) == "uniform";
     if (quantity_) {
@@ -123,6 +148,7 @@ public:
   void multiply_response(const SampledSpectrum& factor) override {
     for (auto& r : response_) r = product(r, factor);
   }
+  bool measures_flux() const override { return quantity_ && quantity_->is_flux; }
   bool integrates_over_time() const override { return quantity_ && quantity_->over_time; }
   void set_exposure(double seconds) override {
     if (!integrates_over_time()) return;
@@ -220,6 +246,24 @@ private:
                               did_you_mean_or_all(unit, names));
   }
 
+  /// Reads what the eye is adapted to, for mesopic quantities.
+  void read_adaptation(const Properties& p) {
+    const bool is_mesopic = quantity_ && quantity_->weight == mesopic;
+    if (is_mesopic && !p.has("adaptation_luminance"))
+      throw p.error(
+          "adaptation_luminance",
+          "\"adaptation_luminance\" is needed: mesopic vision depends on the luminance that the eye is adapted to");
+    const double luminance = p.get_float("adaptation_luminance", 1, {0, 1e9, true}),
+                 ratio = p.get_float("scotopic_to_photopic", 1, {0, 100, true});
+    if (is_mesopic) {
+      adaptation_ = optics::mesopic_luminance(luminance, ratio);
+      return;
+    }
+    for (const char* name : {"adaptation_luminance", "scotopic_to_photopic"})
+      if (p.has(name))
+        p.note(name, "has no effect: only mesopic quantities depend on the adaptation of the eye");
+  }
+
   /// Sets the responses of an absolute quantity.
   void read_quantity(const Properties& p) {
     const SpectralGrid& grid = p.context().grid;
@@ -239,14 +283,16 @@ private:
       p.note("pixel_format", "the quantity \"" + std::string(quantity_->name) + "\" has one channel");
       kind_ = Kind::luminance;
     }
-    response_ = {quantity_->weight(grid)};
+    response_ = {quantity_->weight == mesopic ? mesopic_efficacy(grid, adaptation_.m)
+                                              : quantity_->weight(grid)};
     response_[0].scale(float(1 / unit_size_));
     uniform_ = true;
     if (!(response_[0].maximum() > 0)) throw p.error("quantity", "is zero at all wavelengths of the film");
   }
 
   std::string absolute_meaning() const {
-    const std::string words = measured_name() + quantity_->words;
+    std::string words = measured_name() + quantity_->words;
+    if (quantity_->weight == mesopic) words += fmt::format(" (CIE 191, m = {:.4f})", adaptation_.m);
     if (uniform_) return words + ", " + unit_;
     return (kind_ == Kind::rgb ? "linear sRGB; 1, 1, 1 has " : "CIE 1931 XYZ; Y is ") + words +
            (kind_ == Kind::rgb ? " 1 " : ", ") + unit_;
@@ -255,6 +301,7 @@ private:
   enum class Kind { rgb, xyz, luminance } kind_;
   bool alpha_ = false, uniform_ = false;
   const FilmQuantity* quantity_ = nullptr;  ///< measured quantity; null: relative values
+  optics::MesopicLuminance adaptation_{};   ///< of the eye, for mesopic quantities
   std::string unit_;
   /// size of the unit in the SI unit; the value that the preview shows as white
   double unit_size_ = 1, white_ = 1;
@@ -282,14 +329,21 @@ AUREOLE_PLUGIN(
          {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (mean over the band)"},
          {"quantity", "string", "", "relative",
           "relative, or an absolute quantity of the kind that the sensor measures. Of a camera: radiance, "
-          "photon_radiance, luminance, scotopic_luminance; of a meter or a grid of receivers: irradiance, "
-          "photon_irradiance, illuminance, scotopic_illuminance; of a goniophotometer: intensity, "
-          "photon_intensity, luminous_intensity, scotopic_intensity. Integrals over the exposure: "
+          "photon_radiance, luminance, scotopic_luminance, judd_vos_luminance, mesopic_luminance; of a meter or a grid of "
+          "receivers: irradiance, photon_irradiance, illuminance, scotopic_illuminance, judd_vos_illuminance, "
+          "mesopic_illuminance, and as power through each pixel radiant_flux, photon_flux, luminous_flux, scotopic_flux; of a "
+          "goniophotometer: intensity, photon_intensity, luminous_intensity, scotopic_intensity, judd_vos_intensity, "
+          "mesopic_intensity. Integrals over the exposure: radiant_energy, photon_number, luminous_energy; "
           "time_integrated_radiance, time_integrated_luminance; radiant_exposure, luminous_exposure, photon_exposure; "
           "time_integrated_intensity, time_integrated_luminous_intensity. One channel Y in float32; luminance, "
           "illuminance and luminous_intensity also have colours by pixel_format, with Y in the unit"},
          {"unit", "string", "", "that of the SI",
-          "unit of the quantity: cd/m^2, nit, kcd/m^2 or fL; lx, klx or fc; cd or kcd; W/m^2 or mW/cm^2"},
+          "unit of the quantity: cd/m^2, nit, kcd/m^2 or fL; lx, klx or fc; cd or kcd; W/m^2 or mW/cm^2; W, mW or kW; lm or "
+          "klm; J or mJ; lm s or lm h"},
+         {"adaptation_luminance", "float", "cd/m^2", "none",
+          "for mesopic quantities: photopic luminance that the eye is adapted to"},
+         {"scotopic_to_photopic", "float", "", "1",
+          "for mesopic quantities: ratio S/P of that luminance, scotopic over photopic"},
          {"white", "float", "", "1", "value that the PNG beside the picture shows as white"}},
         {R"(<film type="hdrfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>
@@ -303,7 +357,9 @@ AUREOLE_PLUGIN(
     <rfilter type="gaussian"/>
 </film>)",
          R"(<film type="hdrfilm"><string name="quantity" value="luminance"/><string name="unit" value="nit"/>
-    <float name="white" value="300"/></film>)"}});
+    <float name="white" value="300"/></film>)",
+         R"(<film type="hdrfilm"><string name="quantity" value="mesopic_luminance"/>
+    <float name="adaptation_luminance" value="0.3"/><float name="scotopic_to_photopic" value="2.1"/></film>)"}});
 
 }  // namespace
 }  // namespace aureole

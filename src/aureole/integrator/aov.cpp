@@ -36,11 +36,12 @@ class AovIntegrator final : public Integrator {
 public:
   explicit AovIntegrator(const Properties& p)
       : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
-    for (const NestedIntegrator& n : nested_)
+    own_colors_ = p.get_bool("colors", true) ? nested_.size() : 0;
+    for (std::size_t k = 0; k < own_colors_; ++k)
       for (const char* c : {".R", ".G", ".B", ".A"}) {
-        names_.push_back(n.name + c);
+        names_.push_back(nested_[k].name + c);
         meanings_.push_back((c[1] == 'A' ? "alpha" : "colour in linear sRGB") +
-                            (" of the integrator " + n.name));
+                            (" of the integrator " + nested_[k].name));
       }
     for (const NestedIntegrator& n : nested_)
       for (std::size_t i = 0; i < n.channels.size(); ++i) {
@@ -66,6 +67,10 @@ public:
   std::vector<std::string> scene_notes(const Scene& scene) const override {
     return nested_notes(nested_, scene);
   }
+  std::vector<ApproximationError> approximation_errors(const Scene& scene, double samples,
+                                                       int threads) const override {
+    return nested_errors(nested_, scene, samples, threads);
+  }
   std::vector<std::string> aov_names() const override { return names_; }
   std::vector<std::string> aov_meanings() const override { return meanings_; }
 
@@ -73,12 +78,12 @@ public:
              const BatchLog& log) const override {
     RadianceEstimate results[kBatch];
     float* aovs[kBatch];
-    for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * nested_.size();
+    for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * own_colors_;
     for (size_t k = 0; k < nested_.size(); ++k) {
       nested_[k].integrator->estimate(scene, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i) {
         if (k == 0) results[i] = paths[i].result;
-        write_colour(paths[i].result, paths[i].wavelengths, aovs[i] + 4 * k);
+        if (k < own_colors_) write_colour(paths[i].result, paths[i].wavelengths, aovs[i] + 4 * k);
         paths[i].aovs += nested_[k].channels.size();
       }
     }
@@ -214,6 +219,7 @@ private:
   }
 
   std::vector<NestedIntegrator> nested_;
+  std::size_t own_colors_ = 0;  ///< how many of them have channels for their colours
   ColourMeter meter_;
   std::vector<Kind> kinds_;
   std::vector<std::string> names_, meanings_;
@@ -239,10 +245,14 @@ AUREOLE_PLUGIN(
         "",
         {{"aovs", "string", "", "required", "list of NAME:TYPE, separated by commas"},
          {"specular_depth", "integer", "", "0", "specular surfaces that are followed, at most 64"},
+         {"colors", "boolean", "", "true",
+          "whether the colours of nested integrators are channels of their own, besides the picture"},
          {"integrator", "integrator", "", "none", "any number of nested integrators"}},
         {R"(<integrator type="aov"><string name="aovs" value="albedo:albedo, nn:sh_normal, dd.y:depth"/>
     <integer name="specular_depth" value="4"/>
-    <integrator type="path" name="img"/></integrator>)"}});
+    <integrator type="path" name="img"/></integrator>)",
+         R"(<integrator type="aov"><string name="aovs" value="albedo:albedo, normal:sh_normal"/>
+    <boolean name="colors" value="false"/> <integrator type="path"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

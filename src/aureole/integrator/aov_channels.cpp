@@ -31,8 +31,10 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::strin
 
 SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested) {
   SceneNeeds all;
+  bool adds_media = !nested.empty();
   for (const NestedIntegrator& n : nested) {
     const SceneNeeds needs = n.integrator->needs();
+    adds_media &= needs.adds_media;
     if (!needs.may_diffract) continue;
     if (all.may_diffract && !(needs.diffraction == all.diffraction))
       throw n.integrator->properties().error(
@@ -41,6 +43,7 @@ SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested) {
           "\"diffraction_model\" and \"beam_width\"");
     all = needs;
   }
+  all.adds_media = adds_media;
   return all;
 }
 
@@ -48,6 +51,15 @@ std::vector<std::string> nested_notes(const std::vector<NestedIntegrator>& neste
   std::vector<std::string> all;
   for (const NestedIntegrator& n : nested)
     for (std::string& note : n.integrator->scene_notes(scene)) all.push_back(std::move(note));
+  return all;
+}
+
+std::vector<ApproximationError> nested_errors(const std::vector<NestedIntegrator>& nested, const Scene& scene,
+                                              double samples, int threads) {
+  std::vector<ApproximationError> all;
+  for (const NestedIntegrator& n : nested)
+    for (ApproximationError& error : n.integrator->approximation_errors(scene, samples, threads))
+      all.push_back(std::move(error));
   return all;
 }
 

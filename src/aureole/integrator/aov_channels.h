@@ -33,6 +33,10 @@ SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested);
 /// Returns `Integrator::scene_notes` of all nested integrators.
 std::vector<std::string> nested_notes(const std::vector<NestedIntegrator>& nested, const Scene& scene);
 
+/// Returns `Integrator::approximation_errors` of all nested integrators.
+std::vector<ApproximationError> nested_errors(const std::vector<NestedIntegrator>& nested, const Scene& scene,
+                                              double samples, int threads);
+
 /// Throws a located Error where two of the channels have one name.
 void require_distinct(const Properties& properties, std::string_view parameter,
                       const std::vector<std::string>& channels);

@@ -7,6 +7,7 @@
 #include "aureole/integrator/bdpt/light_walk.h"
 #include "aureole/integrator/bdpt/sensor_walk.h"
 #include "aureole/integrator/diffraction_parameters.h"
+#include "aureole/integrator/medium_notes.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
@@ -21,7 +22,7 @@ public:
       : Integrator(p),
         settings_{PathLimits(p),
                   {int(p.get_int("strategy_s", -1, {-1, 1e9})), int(p.get_int("strategy_t", -1, {-1, 1e9}))}},
-        diffraction_(get_diffraction(p, DiffractionModels::beams)) {
+        diffraction_(get_diffraction(p)) {
     const auto& [s, t] = settings_.techniques;
     if (t == 0)
       throw p.error("strategy_t",
@@ -32,9 +33,13 @@ public:
 
   Leaves leaves() const override { return Leaves::both; }
   SceneNeeds needs() const override { return {diffraction_, true}; }
+  ReceiverRays receiver_rays() const override {
+    return settings_.techniques.are_weighted() ? ReceiverRays::scattered : ReceiverRays::unweighted;
+  }
   bool shows_emitters() const override {
     return settings_.limits.reaches(1) && !settings_.limits.hide_emitters && settings_.techniques.have(1, 1);
   }
+  std::vector<std::string> scene_notes(const Scene& scene) const override { return medium_notes(scene); }
   void require_scene(const Scene& scene) const override {
     require_no_glowing_media(scene, *this);
     if (scene.has_exits())

@@ -11,19 +11,27 @@
 
 namespace aureole {
 
-/// The models of diffraction that an integrator has.
-enum class DiffractionModels { beams, all };
-
-/// The parameters `diffraction`, `diffraction_model` and `beam_width`; nothing where edges do not diffract.
-inline std::optional<DiffractionSettings> get_diffraction(const Properties& p, DiffractionModels models) {
+/// The parameters of diffraction; nothing where edges do not diffract.
+inline std::optional<DiffractionSettings> get_diffraction(const Properties& p) {
   const bool is_on = p.get_bool("diffraction", false);
-  std::vector<std::string> names = {"beams"};
-  if (models == DiffractionModels::all) names.push_back("segments");
   DiffractionSettings settings;
-  if (p.get_choice("diffraction_model", "beams", names) == "segments")
+  if (p.get_choice("diffraction_model", "beams", {"beams", "segments"}) == "segments")
     settings.model = DiffractionSettings::Model::segments;
   if (!is_on && p.has("diffraction_model"))
     p.note("diffraction_model", "has no effect: \"diffraction\" is false");
+  using Polarisation = DiffractionSettings::Polarisation;
+  const std::string polarisation =
+      p.get_choice("diffraction_polarisation", "none", {"none", "soft", "hard", "both"});
+  settings.polarisation = polarisation == "soft"   ? Polarisation::soft
+                          : polarisation == "hard" ? Polarisation::hard
+                          : polarisation == "both" ? Polarisation::both
+                                                   : Polarisation::none;
+  if (p.has("diffraction_polarisation")) {
+    if (!is_on) p.note("diffraction_polarisation", "has no effect: \"diffraction\" is false");
+    if (settings.model == DiffractionSettings::Model::beams && polarisation != "none")
+      throw p.error("diffraction_polarisation",
+                    "belongs to the diffraction model \"segments\"; \"beams\" has no polarisation");
+  }
   const std::string text = p.get_string("beam_width", "25 wavelengths");
   if (settings.model == DiffractionSettings::Model::segments && p.has("beam_width"))
     throw p.error("beam_width", "belongs to the diffraction model \"beams\"; \"segments\" has no beams");
@@ -57,10 +65,14 @@ inline std::vector<ParameterDoc> with_diffraction_parameters(std::vector<Paramet
   own.push_back(
       {"diffraction", "boolean", "", "false",
        "edges of meshes, discs, cylinders and spheres diffract light (docs/diffraction.md); without it they cost nothing"});
+  own.push_back({"diffraction_model", "string", "", "beams",
+                 "beams: an edge is a scatterer of light in beams of the width `beam_width`; segments: "
+                 "each straight segment has the exact Fresnel factor of the edges beside it, with fringes"});
   own.push_back(
-      {"diffraction_model", "string", "", "beams",
-       "beams: an edge is a scatterer of light in beams of the width `beam_width`; segments (not in `bdpt`): "
-       "each straight segment has the exact Fresnel factor of the edges beside it, with fringes"});
+      {"diffraction_polarisation", "string", "", "none",
+       "of the model segments. none: edges act as those of half planes that absorb; soft: as wedges with the angle between their "
+       "faces, the electric field along each edge; hard: the magnetic field along it; both: the mean power of soft and hard. "
+       "Faces that reflect as mirrors count as metal, others absorb"});
   own.push_back(
       {"beam_width", "string", "number of wavelengths, length, or \"fresnel\" and a length", "25 wavelengths",
        "standard deviation of the beams of light in which edges are seen together: \"25 wavelengths\", \"3mm\", or "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct illumination only, with chosen numbers of light and BSDF samples.
 #include "aureole/integrator/diffraction_parameters.h"
+#include "aureole/integrator/medium_notes.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/line_of_sight.h"
 #include "aureole/transport/walk.h"
@@ -95,9 +96,14 @@ public:
   // Hooks of the walk:
   int edge_samples() const { return std::max(light_samples_, 1); }
   bool has_indirect_light() const { return false; }
-  void emission(int i, const Light&, const SurfacePoint* point, const Spectrum& radiance) {
+  void emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     if (is_black(radiance)) return;
-    const Spectrum estimate = states_[i].density.contribution(radiance, wavelengths(i));
+    const State& s = states_[i];
+    const Spectrum estimate =
+        s.density.has_light_ratio()
+            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.segment.ray.d),
+                            wavelengths(i))
+            : s.density.contribution(radiance, wavelengths(i));
     path(i).result.estimate += estimate;
     if (log_.follows(i)) log_emission(i, point, estimate);
   }
@@ -147,7 +153,7 @@ public:
   explicit DirectIntegrator(const Properties& p)
       : Integrator(p),
         limits_(PathLimits::direct(p.get_bool("hide_emitters", false))),
-        diffraction_(get_diffraction(p, DiffractionModels::all)) {
+        diffraction_(get_diffraction(p)) {
     const auto shading = p.get_int("shading_samples", 1, {0, 65536});
     if (p.has("shading_samples") && (p.has("emitter_samples") || p.has("bsdf_samples")))
       throw p.error("shading_samples",
@@ -157,10 +163,14 @@ public:
     if (light_samples_ + bsdf_samples_ == 0) throw p.error("bsdf_samples", "at least one sample is needed");
   }
 
+  bool shows_light() const override { return true; }
+  ReceiverRays receiver_rays() const override { return ReceiverRays::straight; }
+  bool rays_go_behind() const override { return true; }
   bool shows_emitters() const override { return !limits_.hide_emitters; }
   SceneNeeds needs() const override { return {diffraction_, true}; }
   Leaves leaves() const override { return leaves_splats(diffraction_) ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
+  std::vector<std::string> scene_notes(const Scene& scene) const override { return medium_notes(scene); }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {

@@ -2,20 +2,39 @@
 // Direct volume rendering: pictures of scalar fields by the conventions of scientific visualisation.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "aureole/core/parallel.h"
 #include "aureole/integrator/aov_channels.h"
+#include "aureole/integrator/dvr/error_probe.h"
 #include "aureole/integrator/dvr/first_surface.h"
 #include "aureole/integrator/dvr/march.h"
+#include "aureole/integrator/dvr/measured_errors.h"
+#include "aureole/integrator/dvr/scene_checks.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {
 namespace {
 
-std::vector<const ClassifiedMedium*> classified_media(const Scene& scene) {
-  std::vector<const ClassifiedMedium*> media;
-  for (const Medium* medium : scene.media())
-    if (const auto* classified = dynamic_cast<const ClassifiedMedium*>(medium)) media.push_back(classified);
-  return media;
+/// The light that rays lack, in all, beside what it should be, in words.
+ApproximationError left_out_error(const std::vector<double>& found, const std::vector<double>& expected,
+                                  std::size_t rays) {
+  double sum = 0, difference = 0, squares = 0;
+  const double n = double(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double d = found[i] - expected[i];
+    sum += expected[i] / n, difference += d / n, squares += d * d / n;
+  }
+  const char* const name = "light that the volume scatters more than once or gets from surfaces";
+  if (!(sum > 0)) return {fmt::format("{}: {} rays have no light", name, rays), 0, 0};
+  const double error = std::sqrt(std::max(0., squares - difference * difference) / std::max(1., n - 1)) / sum;
+  return {fmt::format(
+              "{}, left out: the light of all rays by {:+.2g} +- {:.2g} % from that of \"path\" ({} rays)",
+              name, 100 * difference / sum, 100 * error, rays),
+          std::abs(difference / sum), std::abs(difference / sum)};
 }
 
 class DvrIntegrator final : public Integrator {
@@ -33,50 +52,29 @@ public:
       throw p.error("integrator", "has further channels; nest \"dvr\" in \"aov\" instead");
   }
 
-  SceneNeeds needs() const override { return nested_needs(nested_); }
+  SceneNeeds needs() const override {
+    SceneNeeds needs = nested_needs(nested_);
+    needs.adds_media = true;
+    return needs;
+  }
   bool shows_emitters() const override { return behind().shows_emitters(); }
   void require_scene(const Scene& scene) const override {
     behind().require_scene(scene);
-    const auto media = classified_media(scene);
-    if (media.empty())
-      throw Error(
-          properties().where(),
-          "\"dvr\" shows media of the type \"classified\", and the scene has none: give a shape that encloses the "
-          "volume <medium type=\"classified\" name=\"interior\">");
-    for (const Medium* medium : scene.media())
-      if (!dynamic_cast<const ClassifiedMedium*>(medium))
-        throw Error(
-            medium->properties().where(),
-            "\"dvr\" shows media of the type \"classified\" alone, which no instance holds; this one would not be seen "
-            "before or within them");
-    if (scene.sensor().sensor->medium())
-      throw Error(scene.sensor().sensor->properties().where(),
-                  "\"dvr\" finds the media around the sensor itself: state none on the sensor");
-    using enum DvrSettings::Method;
-    const DvrSettings::Method method = settings_.method;
-    const bool is_by_opacity = settings_.steps == DvrSettings::Steps::by_opacity;
-    const bool is_of_one = method == mip || method == average || method == splatting || is_by_opacity;
-    if (is_of_one && media.size() > 1)
-      throw properties().error(
-          is_by_opacity ? "steps" : "method",
-          fmt::format("takes the numbers of one volume, but the scene has {}", media.size()));
-    for (const ClassifiedMedium* medium : media) require_classification(medium->classification());
-    const bool needs_emission = !settings_.gradient_lighting && method != single_scattering && method != xray;
-    for (const ClassifiedMedium* medium : media)
-      if (needs_emission && !medium->color_emits())
-        throw medium->properties().error(
-            "color_is",
-            "the colour is an albedo, which this method shows black: give the integrator "
-            "<string name=\"lighting\" value=\"gradient\"/> or the method \"single_scattering\"");
+    DvrSceneChecks(scene, properties(), settings_).require();
   }
   std::vector<std::string> scene_notes(const Scene& scene) const override {
     std::vector<std::string> notes = behind().scene_notes(scene);
-    const auto media = classified_media(scene);
-    note_unseen_isosurfaces(media, notes);
-    note_lighting(scene, media, notes);
-    for (const ClassifiedMedium* medium : media)
-      note_surface(scene, *medium, notes), note_shape(scene, *medium, notes);
+    DvrSceneChecks(scene, properties(), settings_).note(notes);
     return notes;
+  }
+  std::vector<ApproximationError> approximation_errors(const Scene& scene, double samples,
+                                                       int threads) const override {
+    const auto media = classified_media(scene);
+    std::vector<ApproximationError> errors =
+        measured_errors(scene, media, settings_in(scene, media), d65_, samples, threads);
+    if (settings_.method == DvrSettings::Method::single_scattering && behind().properties().type() == "path")
+      errors.push_back(scattering_error(scene, media, samples, threads));
+    return errors;
   }
   std::vector<std::string> aov_names() const override {
     if (!measures_) return {};
@@ -94,29 +92,20 @@ public:
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
     const auto media = classified_media(scene);
-    DvrSettings settings = settings_;
-    if (!(settings.step > 0)) {
-      settings.step = kInfinity;
-      const float voxels = settings.method == DvrSettings::Method::splatting ? 1 : 0.5f;
-      for (const ClassifiedMedium* m : media)
-        settings.step = std::min(settings.step, voxels * m->field().spacing());
-    }
-    if (settings.method == DvrSettings::Method::splatting) {
-      const FilmPart& film = scene.sensor().part;
-      settings.view =
-          scene.sensor().sample_ray({film.left + 0.5f * film.width, 0.5f * film.height}, {0.5f, 0.5f}).ray.d;
-    }
-    if (measures_) settings.termination = 0;  // The optical thickness is measured along the whole ray.
+    const DvrSettings settings = settings_in(scene, media);
     VolumeResult results[kBatch];
     Ray rays[kBatch];
     float ends[kBatch];
     for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
-    if (settings.method != DvrSettings::Method::xray)
+    bool follows_all = behind().leaves() != Leaves::pixel;
+    for (std::size_t i = 0; i < paths.size(); ++i) follows_all |= log.follows(int(i));
+    const bool is_alone = !follows_all && behind().shows_light() && has_volumes_alone(scene);
+    if (settings.method != DvrSettings::Method::xray && !is_alone)
       find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       // Vertices of a walk are numbered from 0, so that no walk uses the random numbers of vertex -1.
-      VolumeMarch march(scene, media, settings, path, ends[i], d65_.eval(path.wavelengths),
+      VolumeMarch march(scene, media, settings, path, ends[i], d65_,
                         key(path.samples, -1, Stream::volume_march));
       results[i] = march.follow();
       // The nested integrator begins behind the media, or at the ray's origin where there are none.
@@ -125,14 +114,14 @@ public:
       path.ray.t_max -= shift;
     }
     // Paths behind an opaque volume are not followed, unless they leave splats or are replayed.
-    bool follows_all = behind().leaves() != Leaves::pixel;
-    for (std::size_t i = 0; i < paths.size(); ++i) follows_all |= log.follows(int(i));
+    const auto follows = [&](std::size_t i) {
+      return follows_all || (!is_alone && results[i].transmittance > 0);
+    };
     for (std::size_t i = 0; i < paths.size();) {
       std::size_t end = i;
-      while (end < paths.size() && (follows_all || results[end].transmittance > 0)) ++end;
+      while (end < paths.size() && follows(end)) ++end;
       if (end > i) behind().trace(scene, paths.subspan(i, end - i), splats, log);
-      for (i = end; i < paths.size() && !(follows_all || results[i].transmittance > 0); ++i)
-        paths[i].result = {};
+      for (i = end; i < paths.size() && !follows(i); ++i) paths[i].result = {};
     }
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
@@ -148,112 +137,56 @@ public:
   }
 
 private:
-  /// Throws a located Error where the method cannot use a transfer function of two numbers or a mask.
-  void require_classification(const Classification& classification) const {
-    using enum DvrSettings::Method;
-    const DvrSettings::Method method = settings_.method;
-    if (const char* name = classification.plane_parameter()) {
-      if (method == mip || method == average || method == isosurface)
-        throw properties().error(
-            "method",
-            fmt::format(
-                "is for transfer functions of the number alone: it has no gradient that \"{}\" of the "
-                "volume could be a function of",
-                name));
-      if (properties().has("classification") && settings_.preintegrated)
-        throw properties().error(
-            "classification",
-            fmt::format(
-                "\"preintegrated\" is for transfer functions of the number alone, but the volume has \"{}\", a "
-                "function of number and gradient: give \"post\"",
-                name));
-    }
-    if (classification.has_mask() && method == average)
-      throw properties().error("method",
-                               "is for volumes without a mask: the mean number of a ray has no place "
-                               "and thus no class");
-  }
-  /// Returns a note at a parameter of an object.
-  static std::string note_at(const Properties& p, const char* name, const std::string& message) {
-    return p.error(name, message).what();
-  }
-  void note_unseen_isosurfaces(const std::vector<const ClassifiedMedium*>& media,
-                               std::vector<std::string>& notes) const {
-    for (const ClassifiedMedium* medium : media)
-      for (const float value : settings_.isovalues) {
-        const float low = medium->field().minimum(), high = medium->field().maximum();
-        const float opacity = medium->layer_opacity(medium->classification().max_extinction(value, value));
-        if (value >= low && value <= high && opacity > 0) continue;
-        notes.push_back(note_at(
-            properties(), "isovalues",
-            fmt::format("the surface of {:g} is not seen: the numbers of the volume go from {:g} to {:g}, "
-                        "and the opacity at {:g} is {:g}",
-                        value, low, high, value, opacity)));
-      }
-  }
-  /// Notes on lighting without lights, and on coefficients of lighting that is not chosen.
-  void note_lighting(const Scene& scene, const std::vector<const ClassifiedMedium*>& media,
-                     std::vector<std::string>& notes) const {
-    if (settings_.gradient_lighting) {
-      if (scene.lights().empty())
-        notes.push_back(note_at(
-            properties(), "lighting",
-            "the scene has no light: the \"ambient\" part of the colours alone is seen; a light is, for example, "
-            "<emitter type=\"directional\">"));
-      return;
-    }
-    using enum DvrSettings::Method;
-    if (settings_.method != composite && settings_.method != isosurface) return;  // nothing is shaded
-    for (const ClassifiedMedium* medium : media)
-      for (const char* name : {"ambient", "diffuse", "specular", "shininess"})
-        if (const Properties& p = medium->properties(); p.has(name)) {
-          notes.push_back(note_at(p, name,
-                                  "has no effect without <string name=\"lighting\" value=\"gradient\"/> "
-                                  "of the integrator"));
-          break;
+  /// The light that scattering once leaves out: that of some rays of the sensor, beside the nested integrator along the whole rays.
+  ApproximationError scattering_error(const Scene& scene, const std::vector<const ClassifiedMedium*>& media,
+                                      double samples, int threads) const {
+    constexpr std::uint32_t kSamples = 4;  // paths along each ray
+    const ErrorProbe probe(scene, media, d65_, ErrorProbe::count_of(samples, 2 * kSamples), threads);
+    const std::size_t count = probe.count(), channels = aov_names().size();
+    std::vector<double> found(count * kSamples), expected(count * kSamples);
+    for (std::uint32_t k = 0; k < kSamples; ++k) {
+      std::vector<Path> once = probe.paths(k), all = once;
+      std::atomic<std::size_t> next{0};
+      run_workers(threads, [&](int) {
+        std::vector<Splat> splats;
+        std::vector<float> aovs(kBatch * channels);
+        for (std::size_t i = next.fetch_add(kBatch); i < count; i = next.fetch_add(kBatch)) {
+          const std::size_t n = std::min<std::size_t>(count - i, kBatch);
+          for (std::size_t j = 0; j < n; ++j) once[i + j].aovs = aovs.data() + j * channels;
+          trace(scene, std::span(once).subspan(i, n), splats, {});
+          behind().trace(scene, std::span(all).subspan(i, n), splats, {});
+          for (std::size_t j = i; j < i + n; ++j) {
+            found[k * count + j] = double(mean(once[j].result.estimate));
+            expected[k * count + j] = double(mean(all[j].result.estimate));
+          }
         }
-  }
-  /// Notes on shapes that hold the volume behind a surface at which "dvr" ends.
-  static void note_surface(const Scene& scene, const ClassifiedMedium& medium,
-                           std::vector<std::string>& notes) {
-    for (const Primitive& part : scene.parts().surfaces)
-      if (part.media.inside.get() == &medium && part.bsdf &&
-          has(part.bsdf->lobes(), Lobe::reflect | Lobe::transmit))
-        notes.push_back(
-            part.element->where().str() +
-            ": the surface of this shape is that of a body, where \"dvr\" ends: seen from outside, the volume "
-            "within is hidden or followed by the nested integrator; <bsdf type=\"null\"/> shows it");
-  }
-  /// Notes that shapes do not enclose the volume, by their bounds.
-  void note_shape(const Scene& scene, const ClassifiedMedium& medium, std::vector<std::string>& notes) const {
-    if (medium.is_clipped()) return;
-    Bounds3 shapes, numbers;
-    for (const Primitive& part : scene.parts().surfaces)
-      if (part.media.inside.get() == &medium || part.media.outside.get() == &medium)
-        shapes.extend(part.bounds());
-    const ScalarField& field = medium.field();
-    const Transform from_box = field.to_box().inverse();
-    for (int corner = 0; corner < 8; ++corner) {
-      Vec3 p;  // the centre of a voxel at a corner
-      for (int k = 0; k < 3; ++k) {
-        const float half = 0.5f / float(field.size()[std::size_t(k)]);
-        p[k] = corner >> k & 1 ? 1 - half : half;
-      }
-      numbers.extend(from_box.point(p));
+      });
     }
-    if (shapes.empty()) return;
-    const float rounding = 1e-4f * field.spacing();
-    bool is_enclosed = true;
-    for (int k = 0; k < 3; ++k)
-      is_enclosed &=
-          numbers.lower[k] >= shapes.lower[k] - rounding && numbers.upper[k] <= shapes.upper[k] + rounding;
-    if (is_enclosed) return;
-    const auto shown = [](const Vec3& v) { return fmt::format("({:.5g}, {:.5g}, {:.5g})", v.x, v.y, v.z); };
-    notes.push_back(fmt::format(
-        "{}: the volume reaches from {} to {}, beyond the shape that holds it, which reaches from {} to {}: "
-        "\"dvr\" shows the whole volume, other integrators what the shape encloses",
-        medium.properties().where().str(), shown(numbers.lower), shown(numbers.upper), shown(shapes.lower),
-        shown(shapes.upper)));
+    return left_out_error(found, expected, count);
+  }
+  /// Whether there is nothing to see beside the volumes: no emitter, and no surface but null ones.
+  static bool has_volumes_alone(const Scene& scene) {
+    const auto& surfaces = scene.parts().surfaces;
+    return scene.emitters().empty() &&
+           std::all_of(surfaces.begin(), surfaces.end(),
+                       [](const Primitive& part) { return part.bsdf && part.bsdf->lobes() == kNullLobe; });
+  }
+  /// The settings with the lengths that follow from the media and the sensor.
+  DvrSettings settings_in(const Scene& scene, const std::vector<const ClassifiedMedium*>& media) const {
+    DvrSettings settings = settings_;
+    if (!(settings.step > 0)) {
+      settings.step = kInfinity;
+      const float voxels = settings.method == DvrSettings::Method::splatting ? 1 : 0.5f;
+      for (const ClassifiedMedium* m : media)
+        settings.step = std::min(settings.step, voxels * m->field().spacing());
+    }
+    if (settings.method == DvrSettings::Method::splatting) {
+      const FilmPart& film = scene.sensor().part;
+      settings.view =
+          scene.sensor().sample_ray({film.left + 0.5f * film.width, 0.5f * film.height}, {0.5f, 0.5f}).ray.d;
+    }
+    if (measures_) settings.termination = 0;  // The optical thickness is measured along the whole ray.
+    return settings;
   }
   const Integrator& behind() const { return *nested_.front().integrator; }
 
@@ -280,7 +213,7 @@ AUREOLE_PLUGIN(
         "scene's other integrators make of the same media is the physical picture (docs/volumes.md).",
         "Max 1995, \"Optical models for direct volume rendering\"; Levoy 1988, \"Display of surfaces from volume data\"; "
         "Engel, Kraus & Ertl 2001, \"High-quality pre-integrated volume rendering using hardware-accelerated pixel shading\"; "
-        "Westover 1990, \"Footprint evaluation for volume rendering\"; Mueller & Crawfis 1998, \"Eliminating popping artifacts "
+        "Keller & Heidrich 2001, \"Interleaved sampling\"; Westover 1990, \"Footprint evaluation for volume rendering\"; Mueller & Crawfis 1998, \"Eliminating popping artifacts "
         "in sheet buffer-based splatting\"",
         rows(),
         {R"(<integrator type="dvr"><float name="step" value="0.01"/><string name="classification" value="preintegrated"/>
@@ -289,7 +222,8 @@ AUREOLE_PLUGIN(
     <integrator type="direct"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="composite"/><string name="form" value="premultiplied"/>
     <string name="alpha" value="taylor"/><string name="order" value="back_to_front"/><float name="termination" value="0"/>
-    <boolean name="jitter" value="true"/><boolean name="skip_empty" value="false"/></integrator>)",
+    <boolean name="jitter" value="true"/><string name="jitter_pattern" value="interleaved"/>
+    <boolean name="skip_empty" value="false"/></integrator>)",
          R"(<integrator type="dvr"><string name="method" value="isosurface"/><string name="isovalues" value="0.2, 0.6"/>
     <boolean name="measures" value="true"/></integrator>)",
          R"(<integrator type="dvr"><string name="steps" value="adaptive"/><float name="tolerance" value="0.005"/></integrator>)",

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/integrator.h"
 
-#include "aureole/core/keyed_random.h"
+#include <array>
+#include <optional>
+
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/connection.h"
 #include "aureole/transport/diffraction.h"
@@ -11,15 +13,22 @@ namespace aureole {
 
 namespace {
 
-/// Estimates the light that arrives at a receiver from an emitter that no ray can hit, as the radiance along
+/// Whether light sampling at a receiver finds lights that rays of the receiver hit as well.
+bool samples_all_lights(const Receiver& receiver, Integrator::ReceiverRays rays) {
+  return rays != Integrator::ReceiverRays::unweighted && receiver.measure != Receiver::Measure::far;
+}
+
+/// Estimates the light that arrives at a receiver from an emitter, by light sampling, as the radiance along
 /// the path's ray: divided by the integral of the response.
-Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path) {
-  // A walk from the sensor has no vertex -1, so that its random numbers are free.
-  KeyedRandom random(key(path.samples, -1, Stream::receiver));
-  const auto choice = scene.lights().choose(receiver.p, receiver.facing(), random.next());
-  if (!choice || !(choice->probability > 0) || !choice->light->is_delta()) return 0.f;
-  const Vec2 u{random.next(), random.next()};
-  const auto direct = choice->light->sample_direct(receiver.p, choice->part, u, path.wavelengths);
+Spectrum received(const Scene& scene, const Receiver& receiver, Path& path, Integrator::ReceiverRays rays,
+                  bool go_behind) {
+  const Vec3 facing = receiver.facing();
+  // The estimate is added to that of the walk, so that both may use the random numbers of the first vertex.
+  const auto choice = scene.lights().choose(receiver.p, facing, get(path.samples, 0, Choice::light));
+  if (!choice || !(choice->probability > 0)) return 0.f;
+  if (!choice->light->is_delta() && !samples_all_lights(receiver, rays)) return 0.f;
+  const auto direct = choice->light->sample_direct_facing(
+      receiver.p, facing, choice->part, get(path.samples, 0, Pair::connection), path.wavelengths);
   if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return 0.f;
   const float share = receiver.pdf(direct->wo);
   if (!(share > 0)) return 0.f;
@@ -34,9 +43,13 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
   if (scene.has_media()) {
     RayState start{c.ray, nullptr, {}};
     find_interiors(scene, nullptr, start);
-    c.begin_in(start, std::uint32_t(random.next() * 0x1p32f));
+    c.begin_in(start, key(path.samples, -1, Stream::receiver));
+    c.others_pass = rays != Integrator::ReceiverRays::scattered;
   }
-  c.weigh(scene.has_media(), choice->probability * direct->pdf, 0.f, path.wavelengths);
+  c.others_go_behind = go_behind;
+  // The ray of the path has the pdf `share` of this direction.
+  c.weigh(scene.has_media(), choice->probability * direct->pdf, direct->delta ? 0.f : share,
+          path.wavelengths);
   const bool open = arrives(scene, c, path.wavelengths, key(path.samples, -1, Stream::receiver));
   return open ? c.estimate() : Spectrum(0.f);
 }
@@ -45,12 +58,18 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
 
 void Integrator::estimate(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                           const BatchLog& log) const {
-  trace(scene, paths, splats, log);
-  if (!shows_emitters() || scene.lights().empty()) return;
+  if (!shows_emitters() || scene.lights().empty()) return trace(scene, paths, splats, log);
+  const ReceiverRays rays = receiver_rays();
+  std::array<std::optional<Receiver>, kBatch> receivers;
   for (size_t i = 0; i < paths.size(); ++i) {
-    const auto receiver = scene.sensor().receiver(paths[i].film);
-    if (!receiver) continue;
-    const Spectrum light = received(scene, *receiver, paths[i]);
+    receivers[i] = scene.sensor().receiver(paths[i].film);
+    if (receivers[i] && samples_all_lights(*receivers[i], rays)) paths[i].receiver = &*receivers[i];
+  }
+  trace(scene, paths, splats, log);
+  for (size_t i = 0; i < paths.size(); ++i) {
+    paths[i].receiver = nullptr;
+    if (!receivers[i]) continue;
+    const Spectrum light = received(scene, *receivers[i], paths[i], rays, rays_go_behind());
     if (log.follows(int(i)) && !is_black(light))
       log({.kind = PathEvent::Kind::other, .estimate = light, .text = "from an emitter to the receiver"});
     paths[i].result.estimate += light;

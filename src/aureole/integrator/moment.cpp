@@ -39,6 +39,10 @@ public:
   std::vector<std::string> scene_notes(const Scene& scene) const override {
     return nested_notes(nested_, scene);
   }
+  std::vector<ApproximationError> approximation_errors(const Scene& scene, double samples,
+                                                       int threads) const override {
+    return nested_errors(nested_, scene, samples, threads);
+  }
   std::vector<std::string> aov_names() const override { return names_; }
   std::vector<std::string> aov_meanings() const override { return meanings_; }
 

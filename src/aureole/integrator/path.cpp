@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "aureole/integrator/diffraction_parameters.h"
+#include "aureole/integrator/medium_notes.h"
 #include "aureole/integrator/path/path_walk.h"
 #include "aureole/plugin/registry.h"
 
@@ -12,11 +13,15 @@ namespace {
 class PathIntegrator final : public Integrator {
 public:
   explicit PathIntegrator(const Properties& p)
-      : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::all)) {}
+      : Integrator(p), limits_(p), diffraction_(get_diffraction(p)) {}
 
   SceneNeeds needs() const override { return {diffraction_, true}; }
   Leaves leaves() const override { return leaves_splats(diffraction_) ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
+  bool shows_light() const override { return true; }
+  std::vector<std::string> scene_notes(const Scene& scene) const override { return medium_notes(scene); }
+  ReceiverRays receiver_rays() const override { return ReceiverRays::scattered; }
+  bool rays_go_behind() const override { return true; }
   bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,

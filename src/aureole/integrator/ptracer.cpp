@@ -2,7 +2,10 @@
 // Light tracing: paths from the lights, connected with the sensor at every vertex. Such a path has one
 // technique, and spectral MIS weights it over the wavelengths, whose pdfs differ only by those of its BSDF
 // samples. Lights that the sensor sees directly, which no connection finds, are found by rays of the sensor.
+#include <limits>
+
 #include "aureole/integrator/diffraction_parameters.h"
+#include "aureole/integrator/medium_notes.h"
 #include "aureole/integrator/ptracer/particle_walk.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/line_of_sight.h"
@@ -13,10 +16,18 @@ namespace {
 /// Radiance that the sensor's rays see directly.
 class SeenDirectly {
 public:
-  SeenDirectly(std::span<Path> paths, const PathLimits& limits) : paths_(paths), limits_(limits) {}
+  SeenDirectly(const Scene& scene, std::span<Path> paths, const PathLimits& limits)
+      : scene_(scene), paths_(paths), limits_(limits) {}
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
-  void see(int path, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
-    if (!limits_.hide_emitters) sum[path] += radiance;  // `hide_emitters` hides lights, not media
+  void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
+    if (limits_.hide_emitters) return;  // it hides lights, not media
+    float weight = 1;
+    if (const Receiver* receiver = paths_[size_t(path)].receiver) {
+      const float ray = receiver->pdf(d);
+      const float sampled = light_density(scene_, {receiver->p, receiver->facing()}, light, point, d);
+      weight = ray / std::max(ray + sampled, std::numeric_limits<float>::min());
+    }
+    sum[path] += radiance * weight;
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
   SegmentEmission emission(int) const { return {}; }
@@ -27,14 +38,14 @@ public:
   Spectrum media[kBatch];  ///< estimates of the light of media
 
 private:
+  const Scene& scene_;
   std::span<Path> paths_;
   const PathLimits& limits_;
 };
 
 class ParticleTracer final : public Integrator {
 public:
-  explicit ParticleTracer(const Properties& p)
-      : Integrator(p), limits_(p), diffraction_(get_diffraction(p, DiffractionModels::all)) {
+  explicit ParticleTracer(const Properties& p) : Integrator(p), limits_(p), diffraction_(get_diffraction(p)) {
     if (p.has("samples_per_pass"))
       p.note("samples_per_pass", "work is divided by itself: \"samples_per_pass\" has no effect");
     p.get_int("samples_per_pass", -1);
@@ -43,7 +54,9 @@ public:
   Leaves leaves() const override { return Leaves::film; }
   SceneNeeds needs() const override { return {diffraction_, true}; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
+  std::vector<std::string> scene_notes(const Scene& scene) const override { return medium_notes(scene); }
 
+  ReceiverRays receiver_rays() const override { return ReceiverRays::straight; }
   bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
@@ -68,7 +81,7 @@ public:
 private:
   /// Radiance along the sensor's rays that no connection of a light path can bring to the film.
   void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
-    SeenDirectly seen(paths, limits_);
+    SeenDirectly seen(scene, paths, limits_);
     LinesOfSight lines(scene, seen);
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) {

@@ -4,6 +4,7 @@
 #include "aureole/integrator/dvr/first_surface.h"
 #include "aureole/integrator/radiance/radiance_march.h"
 #include "aureole/integrator/splat/blended_light.h"
+#include "aureole/plugin/late_notes.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/path_density.h"
 #include "aureole/transport/dimensions.h"
@@ -58,8 +59,15 @@ public:
       throw Error(
           scene.sensor().sensor->properties().where(),
           "\"radiance_field\" finds the grid around the sensor itself: state no medium on the sensor");
-    if (settings_.blends_linear && !grid->is_encoded())
-      properties().note("color_space", "has no effect: the colours of the grid are linear");
+  }
+  std::vector<std::string> scene_notes(const Scene& scene) const override {
+    std::vector<std::string> notes;
+    if (!settings_.background) notes = behind().scene_notes(scene);
+    const RadianceMedium* grid = find_radiance_medium(scene);
+    if (grid && settings_.blends_linear && !grid->is_encoded())
+      notes.push_back(
+          note_text(properties(), "color_space", "has no effect: the colours of the grid are linear"));
+    return notes;
   }
   std::vector<std::string> aov_names() const override {
     if (!measures_) return {};

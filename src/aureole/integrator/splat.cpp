@@ -2,6 +2,7 @@
 // Splatting: pictures of Gaussian splats and of points by projection, sorting and blending.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "aureole/integrator/aov_channels.h"
@@ -9,18 +10,13 @@
 #include "aureole/integrator/splat/blended_light.h"
 #include "aureole/integrator/splat/ray_splats.h"
 #include "aureole/integrator/splat/splat_blend.h"
+#include "aureole/integrator/splat/splat_scene.h"
+#include "aureole/plugin/late_notes.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/path_density.h"
 
 namespace aureole {
 namespace {
-
-std::vector<const SplatMedium*> splat_media(const Scene& scene) {
-  std::vector<const SplatMedium*> media;
-  for (const Medium* medium : scene.media())
-    if (const auto* splats = dynamic_cast<const SplatMedium*>(medium)) media.push_back(splats);
-  return media;
-}
 
 /// Distance along a ray at which it leaves a box, or 0 where the ray misses the box.
 float exit_of(const Bounds3& box, const Ray& ray) {
@@ -58,65 +54,36 @@ public:
   bool shows_emitters() const override { return behind().shows_emitters(); }
   void require_scene(const Scene& scene) const override {
     behind().require_scene(scene);
-    const auto media = splat_media(scene);
-    if (media.empty())
-      throw Error(properties().where(),
-                  "\"splat\" shows media of the type \"splats\", and the scene has none: give a shape "
-                  "<medium type=\"splats\" name=\"interior\">");
-    for (const Medium* medium : scene.media())
-      if (!dynamic_cast<const SplatMedium*>(medium))
-        throw Error(
-            medium->properties().where(),
-            "\"splat\" shows media of the type \"splats\" alone; this one would not be seen before or within them");
-    if (scene.sensor().sensor->medium())
-      throw Error(scene.sensor().sensor->properties().where(),
-                  "\"splat\" passes no medium: state none on the sensor");
-    const bool has_pinhole = scene.sensor().pinhole().has_value();
-    if (!has_pinhole && !settings_.blends())
-      throw Error(
-          scene.sensor().sensor->properties().where(),
-          "points are projected through one point: use the sensor \"perspective\", or the footprint \"3dgs\" for "
-          "Gaussian splats, which rays can follow");
-    if (!has_pinhole && settings_.method == SplatSettings::Method::projection)
-      throw Error(
-          scene.sensor().sensor->properties().where(),
-          "splats are projected through one point: use the sensor \"perspective\", or the method \"rays\"");
-    if (uses_rays(scene) && settings_.method == SplatSettings::Method::automatic)
-      for (const char* name :
-           {"sorting", "projection", "compensation", "dilation", "jacobian_limit", "evaluated_at"})
-        if (properties().has(name))
-          properties().note(name,
-                            "has no effect: this sensor follows splats by rays, in their order along each");
-    SplatConventions::of(media, settings_, properties());
-    for (const SplatMedium* medium : media) {
-      if (medium->emission_scale() != media.front()->emission_scale())
-        throw medium->properties().error("emission_scale",
-                                         "splats that are blended together have one scale of their light");
-      const SplatCloud& cloud = medium->cloud();
-      const bool needs_extent = settings_.footprint != SplatSettings::Footprint::point && !settings_.blends();
-      if (!needs_extent) continue;
-      for (const Vec3& s : cloud.scales)
-        if (!(max_component(s) > 0))
-          throw medium->properties().error(
-              "radius", "points without a radius have no footprint but \"point\": state their radius");
+    require_splat_scene(scene, settings_, properties());
+  }
+  std::vector<std::string> scene_notes(const Scene& scene) const override {
+    try {
+      require_scene(scene);
+    } catch (const Error&) {
+      return {};  // There will be no picture.
     }
-    if (uses_rays(scene)) {
-      for (const SplatMedium* medium : media)
-        if (medium->cloud().kind == SplatCloud::Kind::points)
-          throw medium->properties().error("filename", "holds points; rays see Gaussian splats");
-      if (along_rays(scene)->size() == 0)
-        properties().note("", "none of the splats has an opacity and an extent");
-      return;
+    std::vector<std::string> notes;
+    if (!settings_.background && has_surfaces(scene)) notes = behind().scene_notes(scene);
+    const auto note = [&](const char* name, const std::string& message) {
+      notes.push_back(note_text(properties(), name, message));
+    };
+    if (follows_rays(scene, settings_)) {
+      if (settings_.method == SplatSettings::Method::automatic)
+        for (const char* name :
+             {"sorting", "projection", "compensation", "dilation", "jacobian_limit", "evaluated_at"})
+          if (properties().has(name))
+            note(name, "has no effect: this sensor follows splats by rays, in their order along each");
+      if (along_rays(scene)->size() == 0) note("", "none of the splats has an opacity and an extent");
+      return notes;
     }
     const auto splats = projected(scene);
     if (splats->without_area() > 0)
-      properties().note(
-          "dilation",
-          fmt::format("{} splats have a projection without area, which is not seen without dilation",
-                      splats->without_area()));
+      note("dilation",
+           fmt::format("{} splats have a projection without area, which is not seen without dilation",
+                       splats->without_area()));
     if (splats->footprints().empty())
-      properties().note(
-          "", "none of the splats is seen: all lie beside the picture, before \"near\" or beyond far_clip");
+      note("", "none of the splats is seen: all lie beside the picture, before \"near\" or beyond far_clip");
+    return notes;
   }
   std::vector<std::string> aov_names() const override {
     if (!measures_) return {};
@@ -141,7 +108,7 @@ public:
     SplatSample samples[kBatch];
     int sample_of[kBatch];
     bool is_encoded;
-    if (uses_rays(scene)) {
+    if (follows_rays(scene, settings_)) {
       const auto splats_of_rays = along_rays(scene);
       for (std::size_t i = 0; i < paths.size(); ++i) {
         Ray ray = rays[i];
@@ -194,9 +161,12 @@ private:
     });
   }
 
-  bool uses_rays(const Scene& scene) const {
-    return settings_.method == SplatSettings::Method::rays ||
-           (settings_.method == SplatSettings::Method::automatic && !scene.sensor().pinhole());
+  /// Whether the nested integrator can find a surface: it begins at surfaces or behind all media.
+  static bool has_surfaces(const Scene& scene) {
+    const auto& surfaces = scene.parts().surfaces;
+    return std::any_of(surfaces.begin(), surfaces.end(), [](const Primitive& part) {
+      return part.bsdf && has(part.bsdf->lobes(), Lobe::reflect | Lobe::transmit);
+    });
   }
   std::shared_ptr<const RaySplats> along_rays(const Scene& scene) const {
     return scene.tables().get<RaySplats>(

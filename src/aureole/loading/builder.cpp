@@ -148,6 +148,13 @@ bool Builder::add_child(const Node& child, Properties& properties) {
 }
 
 ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Properties& properties) {
+  // A constructor may ask for other objects, which are then constructed.
+  struct Making {
+    Making(const Node*& slot, const Node* node) : slot_(slot), before_(std::exchange(slot, node)) {}
+    ~Making() { slot_ = before_; }
+    const Node*& slot_;
+    const Node* before_;
+  } const making(making_, &node);
   try {
     ObjectPtr object;
     if (pool_ && plugin.family == "shape")

@@ -43,6 +43,9 @@ public:
   ObjectPtr find(std::string_view family, const std::string& id) override;
   void add_file(const std::filesystem::path& file) override { files_.push_back(file); }
   const std::vector<std::filesystem::path>& files() const { return files_; }
+  std::optional<WideHashValue> inputs_of_object() override {
+    return making_ ? keys_.inputs_of(*making_, *context_) : std::nullopt;
+  }
   const TableProgress& table_progress() const override { return progress_; }
 
   /// The objects built so far, by element; null if there is none.
@@ -68,8 +71,9 @@ private:
   TableProgress progress_;
   ObjectPool* pool_;
   PoolKeys keys_;
-  NodeTable<ObjectPtr> built_;  ///< object of each element; null if building failed
-  NodeTable<char> is_built_;    ///< whether building of an element was begun
+  const Node* making_ = nullptr;  ///< the element whose object is being constructed
+  NodeTable<ObjectPtr> built_;    ///< object of each element; null if building failed
+  NodeTable<char> is_built_;      ///< whether building of an element was begun
   std::vector<std::filesystem::path> files_;
 };
 

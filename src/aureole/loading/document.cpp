@@ -10,6 +10,7 @@
 #include <unordered_set>
 
 #include "aureole/loading/aliases.h"
+#include "aureole/loading/overrides.h"
 #include "aureole/loading/references.h"
 #include "aureole/loading/stages.h"
 #include "aureole/plugin/registry.h"
@@ -215,6 +216,28 @@ std::string SceneDocument::xml() const {
   std::ostringstream text;
   document.save(text, "  ", pugi::format_indent | pugi::format_no_declaration, pugi::encoding_utf8);
   return std::move(text).str();
+}
+
+LoadedScene SceneDocument::for_denoising() {
+  // Kept nodes must not move in memory, since objects are found by their address.
+  Node before = std::move(parsed_->root);
+  parsed_->root = before;
+  struct Restore {
+    Node &root, &before;
+    ~Restore() { root = std::move(before); }
+  } const restore{parsed_->root, before};
+  Diagnostics diagnostics;
+  LoadOptions changes;
+  changes.for_denoising = true;
+  apply_overrides(parsed_->root, changes, diagnostics);
+  diagnostics.throw_if_errors();
+  OpenedParts opened = build_opened(*parsed_, options_, pool_);
+  std::vector<std::string> notes = diagnostics.notes();
+  notes.insert(notes.end(), opened.notes.begin(), opened.notes.end());
+  opened.notes = std::move(notes);
+  LoadedScene made = make_scene(std::move(static_cast<LoadedParts&>(opened)), scene().get());
+  pool_.trim();
+  return made;
 }
 
 const LoadedScene& SceneDocument::edit(const std::vector<std::pair<std::string, std::string>>& changes,

@@ -50,6 +50,9 @@ public:
   const LoadedScene& edit(const std::vector<std::pair<std::string, std::string>>& changes,
                           const std::map<std::string, ObjectPtr>& given = {});
 
+  /// Returns the current scene as `load_scene` would load it for denoising; the document does not change.
+  LoadedScene for_denoising();
+
   /// The current scene as the text of a scene file: upgraded, without <include>, <default> and $names. Throws
   /// Error if it contains objects that a program passed in memory.
   std::string xml() const;

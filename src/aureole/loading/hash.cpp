@@ -3,10 +3,10 @@
 // unchanged objects are found again after an edit.
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <filesystem>
 
 #include "aureole/core/input_file.h"
+#include "aureole/core/word_hash.h"
 #include "aureole/loading/object_pool.h"
 #include "aureole/loading/references.h"
 #include "aureole/loading/values.h"
@@ -16,34 +16,7 @@ namespace aureole {
 
 namespace {
 
-/// FNV-1a over 64-bit words instead of bytes, for files of many megabytes. A final mix follows, because
-/// multiplication propagates nothing from high to low bits.
-class Hash {
-public:
-  void bytes(const char* data, std::size_t size) {
-    word(size);
-    for (; size >= 8; data += 8, size -= 8) {
-      std::uint64_t w;
-      std::memcpy(&w, data, 8);
-      word(w);
-    }
-    std::uint64_t rest = 0;
-    std::memcpy(&rest, data, size);
-    word(rest);
-  }
-  void text(std::string_view s) { bytes(s.data(), s.size()); }
-
-  std::uint64_t value() const {
-    std::uint64_t h = state_;
-    h = (h ^ (h >> 32)) * 0xd6e8feb86659fd93u;
-    return h ^ (h >> 32);
-  }
-  void number(std::uint64_t w) { word(w); }
-
-private:
-  void word(std::uint64_t w) { state_ = ((state_ ^ w) * 0x100000001b3u) ^ (state_ >> 29); }
-  std::uint64_t state_ = 0xcbf29ce484222325u;
-};
+using Hash = WordHash<>;
 
 void add_node(const Node& node, const References& references, Hash& hash) {
   hash.text(node.tag);
@@ -65,6 +38,18 @@ void add_node(const Node& node, const References& references, Hash& hash) {
   for (const Node& child : node.children)
     if (!(holds_parameters_of_render && family->shares(child.get("name")))) add_node(child, references, hash);
   hash.text("/");
+}
+
+/// Calls `use` with the blocks of a file. Throws Error.
+template <class Use>
+void for_blocks(const std::filesystem::path& file, const Use& use) {
+  InputFile input(file);
+  std::vector<char> block(1 << 20);
+  while (input.left() > 0) {
+    const std::size_t count = std::size_t(std::min<std::uint64_t>(block.size(), input.left()));
+    input.read(block.data(), count);
+    use(block.data(), count);
+  }
 }
 
 /// Computes the key of an element with everything it refers to.
@@ -120,7 +105,44 @@ public:
     return hash.value();
   }
 
+  /// Hash of an element's inputs by which tables are kept on disc: files count by their content, whatever their
+  /// names. Nothing where the element holds an object that the program has made. Throws Error for a file that cannot
+  /// be read.
+  std::optional<WideHashValue> inputs(const Node& node) {
+    if (const Node* target = references_.follow(node); target && target != &node) return inputs(*target);
+    if (node.tag == "given") return {};
+    WideHash hash;
+    hash.text(node.tag);
+    for (const Attribute& a : node.attributes) {
+      if (a.name == "id" || a.name == "name") continue;
+      hash.text(a.name);
+      if (references_.names_file(a)) {
+        // The extension may tell the format.
+        hash.text(std::filesystem::path(a.value).extension().string());
+        hash.wide(file_content(a.value));
+      } else {
+        hash.text(a.value);
+      }
+    }
+    for (const Node& child : node.children) {
+      const std::optional<WideHashValue> below = inputs(child);
+      if (!below) return {};
+      hash.text(child.get("name"));
+      hash.wide(*below);
+    }
+    return hash.value();
+  }
+
 private:
+  const WideHashValue& file_content(const std::string& path) {
+    const auto [known, is_new] = file_contents_.try_emplace(path);
+    if (is_new) {
+      WideHash hash;
+      for_blocks(path, [&](const char* data, std::size_t size) { hash.bytes(data, size); });
+      known->second = hash.value();
+    }
+    return known->second;
+  }
   bool belongs_to_shape(const Node& node) const {
     if (const FamilyInfo* family = Registry::instance().family(object_family(node)))
       return family->belongs_to_shapes;
@@ -139,7 +161,17 @@ private:
   const References& references_;
   const std::map<std::string, ObjectPtr>& given_;
   NodeTable<std::optional<std::uint64_t>> known_, contents_;
+  std::map<std::string, WideHashValue> file_contents_;
 };
+
+/// Adds the settings of the scene that objects are built with.
+template <class AnyHash>
+void add_settings(const BuildContext& context, AnyHash& hash) {
+  for (const double x :
+       {context.grid.min_nm, context.grid.max_nm, double(context.grid.cells), context.length_unit_m,
+        context.energy_preserving ? double(*context.energy_preserving) : -1.0})
+    hash.number(std::bit_cast<std::uint64_t>(x));
+}
 
 }  // namespace
 
@@ -154,10 +186,15 @@ std::uint64_t PoolKeys::geometry_of(const Node& node) { return maker_->key(node,
 std::uint64_t PoolKeys::content_of(const Node& node, const BuildContext& context) {
   Hash hash;
   hash.number(maker_->content(node));
-  for (const double x :
-       {context.grid.min_nm, context.grid.max_nm, double(context.grid.cells), context.length_unit_m,
-        context.energy_preserving ? double(*context.energy_preserving) : -1.0})
-    hash.number(std::bit_cast<std::uint64_t>(x));
+  add_settings(context, hash);
+  return hash.value();
+}
+std::optional<WideHashValue> PoolKeys::inputs_of(const Node& node, const BuildContext& context) {
+  const std::optional<WideHashValue> inputs = maker_->inputs(node);
+  if (!inputs) return {};
+  WideHash hash;
+  hash.wide(*inputs);
+  add_settings(context, hash);
   return hash.value();
 }
 
@@ -170,15 +207,8 @@ std::uint64_t elements_hash(const Node& root, const References& references) {
 std::uint64_t content_hash(std::uint64_t elements, const References& references) {
   Hash hash;
   hash.number(elements);
-  for (const auto& file : references.files) {
-    InputFile input(file);
-    std::vector<char> block(1 << 20);
-    while (input.left() > 0) {
-      const std::size_t count = std::size_t(std::min<std::uint64_t>(block.size(), input.left()));
-      input.read(block.data(), count);
-      hash.bytes(block.data(), count);
-    }
-  }
+  for (const auto& file : references.files)
+    for_blocks(file, [&](const char* data, std::size_t size) { hash.bytes(data, size); });
   return hash.value();
 }
 

@@ -15,12 +15,13 @@
 #include "aureole/loading/stages.h"
 #include "aureole/loading/upgrade.h"
 #include "aureole/loading/values.h"
+#include "aureole/plugin/late_notes.h"
 
 namespace aureole {
 
 namespace {
 
-/// Objects may add notes during their whole life, so diagnostics live as long as the context.
+/// The context points to the diagnostics until the file is loaded.
 struct OwnedContext {
   BuildContext context;
   Diagnostics diagnostics;
@@ -95,6 +96,7 @@ public:
     if (pool) pool->begin(owned_->context);
     Builder builder(references, context(), diagnostics(), options.given, options.progress, pool);
     owned_->context.models = pool ? pool->models() : std::make_shared<ModelCache>();
+    owned_->context.tables = options.tables;
     {
       // Resets the context's pointer to the builder, whose lifetime ends first, also when loading is
       // cancelled.
@@ -113,7 +115,11 @@ public:
     if (owned_->diagnostics.has_errors())
       throw ErrorList(in_file_order(owned_->diagnostics.errors(), parsed_.files));
   }
-  std::vector<std::string> notes() const { return in_file_order(owned_->diagnostics.notes(), parsed_.files); }
+  /// Returns the notes of all objects and ends their collection.
+  std::vector<std::string> take_notes() {
+    owned_->context.diagnostics = closed_diagnostics();
+    return in_file_order(owned_->diagnostics.notes(), parsed_.files);
+  }
   Diagnostics& diagnostics() { return owned_->diagnostics; }
   std::shared_ptr<const BuildContext> context() const { return {owned_, &owned_->context}; }
 
@@ -179,7 +185,7 @@ LoadedParts build_parts(ParsedScene& parsed, const std::shared_ptr<OwnedContext>
   loaded.files = loading.references.files;
   std::sort(loaded.files.begin(), loaded.files.end());
   loaded.files.erase(std::unique(loaded.files.begin(), loaded.files.end()), loaded.files.end());
-  loaded.notes = loading.notes();
+  loaded.notes = loading.take_notes();
   return loaded;
 }
 
@@ -198,7 +204,10 @@ LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
   if (loaded.integrator && !made.integrator)
     throw std::logic_error("the plug-in \"" + loaded.integrator->properties().type() +
                            "\" is registered in a wrong family");
-  if (made.integrator) loaded.parts.diffraction = made.integrator->needs().diffraction;
+  if (made.integrator) {
+    const SceneNeeds needs = made.integrator->needs();
+    loaded.parts.diffraction = needs.diffraction, loaded.parts.adds_media = needs.adds_media;
+  }
   try {
     made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
   } catch (const BeamWidthError& e) {
@@ -234,7 +243,7 @@ LoadedObjects load_objects(const std::filesystem::path& file, const LoadOptions&
                   collect_objects(parsed.root, loading.references, builder.built(), loaded.objects);
                 });
   loaded.context = loading.context();
-  loaded.notes = loading.notes();
+  loaded.notes = loading.take_notes();
   return loaded;
 }
 
@@ -263,7 +272,7 @@ LoadedObject load_object_from_string(const std::string& text, const std::filesys
     }
   });
   loaded.context = loading.context();
-  loaded.notes = loading.notes();
+  loaded.notes = loading.take_notes();
   return loaded;
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "aureole/core/table_cache.h"
 #include "aureole/integrator/integrator.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
@@ -35,9 +36,14 @@ struct LoadOptions {
   /// sionna-rt (loading/radio_materials.h).
   bool radio_materials = false;
   std::optional<std::int64_t> sample_count;
+  /// Whether the picture will be denoised: the film gets a box filter, whose pixels have noise of their own, and channels
+  /// for albedo and normal of the first surface that is no mirror or glass.
+  bool for_denoising = false;
   /// Objects made by the program itself, for elements `<given name="..." key="..."/>`. A key must change with
   /// the object's content, because the scene's hash contains only the key.
   std::map<std::string, ObjectPtr> given;
+  /// where tables are kept for the next start of a program; null: nowhere
+  std::shared_ptr<TableCache> tables = {};
   TableProgress progress = {};  ///< called during the computation of slow tables; may be null, and may throw
                                 ///< to cancel the loading
 };

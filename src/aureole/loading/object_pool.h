@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "aureole/asset/asset.h"
+#include "aureole/core/word_hash.h"
 #include "aureole/loading/references.h"
 #include "aureole/plugin/properties.h"
 
@@ -85,6 +86,9 @@ public:
   std::uint64_t geometry_of(const Node& node);
   /// Hash of an object's inputs: of its element without its name and ids, and of the settings of the scene.
   std::uint64_t content_of(const Node& node, const BuildContext& context);
+  /// Hash of an object's inputs for tables that are kept on disc: as `content_of`, but with the content of files. Nothing
+  /// where the program has made one of the objects below. Throws Error for a file that cannot be read.
+  std::optional<WideHashValue> inputs_of(const Node& node, const BuildContext& context);
 
 private:
   struct Maker;

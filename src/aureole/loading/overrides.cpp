@@ -57,6 +57,44 @@ void override_integrator(Node& integrator, const std::string& type, Diagnostics&
   });
 }
 
+/// Replaces the reconstruction filter of the first sensor's film by a box.
+void set_box_filter(Node& root, Diagnostics& diagnostics) {
+  Node* sensor = first_sensor(Ids(root));
+  if (!child_of_family(Ids(root), *sensor, "film")) {
+    sensor->children.push_back(synthetic(*sensor, "film", ""));
+    sensor = first_sensor(Ids(root));
+  }
+  const Ids ids(root);
+  Node& film = *child_of_family(ids, *sensor, "film");
+  const Node* before = child_of_family(ids, film, "rfilter");
+  if (before && before->get("type") == "box") return;
+  diagnostics.note(
+      before ? before->where : film.where,
+      "the reconstruction filter is \"box\" for denoising: wider filters give neighbours the same "
+      "noise, which looks like structure");
+  std::erase_if(film.children, [&](Node& child) {
+    const Node* target = ids.follow(child);
+    return target && object_family(*target) == "rfilter";
+  });
+  film.children.push_back(synthetic(film, "rfilter", "box"));
+}
+
+/// Puts the integrator into one that adds the channels which guide a denoiser.
+void add_features(Node& root) {
+  Node& integrator = *child_of_family(Ids(root), root, "integrator");
+  constexpr const char* kFollowed = "8";
+  Node features = synthetic(root, "integrator", "aov");
+  features.where = integrator.where, features.file = integrator.file;
+  for (const char* kept : {"id", "name"})
+    if (const Attribute* attribute = integrator.find(kept)) features.set(kept, attribute->value);
+  std::erase_if(integrator.attributes, [](const Attribute& a) { return a.name == "id" || a.name == "name"; });
+  features.children.push_back(parameter_node(features, "string", "aovs", kDenoisingFeatures));
+  features.children.push_back(parameter_node(features, "integer", "specular_depth", kFollowed));
+  features.children.push_back(parameter_node(features, "boolean", "colors", "false"));
+  features.children.push_back(std::move(integrator));
+  integrator = std::move(features);
+}
+
 }  // namespace
 
 Node* child_of_family(const Ids& ids, Node& parent, std::string_view family) {
@@ -87,8 +125,14 @@ void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagno
     set_parameter(*child_of_family(Ids(root), root, "integrator"), p.tag, p.name, p.value);
   if (options.radio_materials) replace_radio_materials(root, diagnostics);
 
+  if (options.for_denoising) add_features(root);
+
   Node* sensor = first_sensor(Ids(root));
   if (!sensor) return;
+  if (options.for_denoising) {
+    set_box_filter(root, diagnostics);
+    sensor = first_sensor(Ids(root));
+  }
   if ((!options.sampler.empty() || options.sample_count) && !child_of_family(Ids(root), *sensor, "sampler"))
     sensor->children.push_back(synthetic(*sensor, "sampler", options.sampler));
   Node* sampler = child_of_family(Ids(root), *sensor, "sampler");

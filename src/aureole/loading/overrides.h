@@ -7,7 +7,10 @@
 
 namespace aureole {
 
-/// Applies `options` to the first sensor's sampler and to the integrator.
+/// Names of the channels that scenes for denoising get, as the parameter "aovs" of the integrator "aov" states them.
+inline constexpr const char* kDenoisingFeatures = "albedo:albedo, normal:sh_normal";
+
+/// Applies `options` to the first sensor's sampler and film, and to the integrator.
 void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagnostics);
 
 /// Returns the first child of `parent` that belongs to a family, following references, or null.

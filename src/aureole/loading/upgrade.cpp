@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <unordered_map>
 
 #include "aureole/core/units.h"
 #include "aureole/loading/aliases.h"
@@ -277,6 +278,35 @@ void upgrade_node(Node& node, Diagnostics& diagnostics) {
   upgrade_uv(node);
 }
 
+using Families = std::unordered_map<std::string, std::string>;
+
+/// Adds the family of each object that has an id.
+void add_families(const Node& node, Families& of_id) {
+  if (is_object(node) && node.find("id")) of_id.try_emplace(node.get("id"), object_family(node));
+  for (const Node& child : node.children) add_families(child, of_id);
+}
+
+/// Gives shapes with a medium inside or outside, without a BSDF and without anything else that makes a surface of them, the BSDF
+/// `null`, as Mitsuba 0.6 has it: an interface between media that light passes straight. Later versions give them `diffuse`.
+void upgrade_interfaces(const Families& of_id, Node& node, Diagnostics& diagnostics) {
+  for (Node& child : node.children) upgrade_interfaces(of_id, child, diagnostics);
+  if (node.tag != "shape" || !node.file || !(node.file->version < SceneVersion{2, 0, 0})) return;
+  const Node* medium = node.named_child("interior");
+  if (!medium) medium = node.named_child("exterior");
+  if (!medium) return;
+  for (const Node& child : node.children) {
+    const auto referenced = child.tag == "ref" ? of_id.find(child.get("id")) : of_id.end();
+    const std::string& family = referenced != of_id.end() ? referenced->second : object_family(child);
+    if (family == "bsdf" || family == "emitter" || family == "sensor" || family == "bssrdf") return;
+  }
+  diagnostics.note(medium->where,
+                   "the shape has a medium and no BSDF: as in Mitsuba 0.6 its surface is \"null\", an "
+                   "interface that light passes straight");
+  Node bsdf{"bsdf", {}, {}, node.where, node.file};
+  bsdf.set("type", "null");
+  node.children.push_back(std::move(bsdf));
+}
+
 }  // namespace
 
 std::string snake_case(std::string_view name) {
@@ -305,7 +335,12 @@ void upgrade(Node& node, Diagnostics& diagnostics) {
   // Ids with a leading underscore, which Mitsuba 2 renamed, need no conversion here.
   if (node.file && node.file->version < SceneVersion{2, 0, 0}) {
     upgrade_node(node, diagnostics);
-    if (node.tag == "scene") upgrade_diffraction(node, diagnostics);
+    if (node.tag == "scene") {
+      upgrade_diffraction(node, diagnostics);
+      Families of_id;
+      add_families(node, of_id);
+      upgrade_interfaces(of_id, node, diagnostics);
+    }
   }
 }
 

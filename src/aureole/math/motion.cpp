@@ -95,6 +95,19 @@ Motion::Motion(std::vector<KeyFrame> frames) : frames_(std::move(frames)) {
   }
 }
 
+bool Motion::is_rigid() const {
+  const Transform back = first().inverse();
+  for (const KeyFrame& frame : frames_) {
+    const Transform::Matrix m = (frame.transform * back).matrix();
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k <= i; ++k) {
+        const double product = m[0][i] * m[0][k] + m[1][i] * m[1][k] + m[2][i] * m[2][k];
+        if (std::abs(product - (i == k ? 1 : 0)) > 1e-3) return false;
+      }
+  }
+  return true;
+}
+
 Transform Motion::at(double time) const {
   if (!is_moving() || time <= frames_.front().time) return frames_.front().transform;
   if (!(time < frames_.back().time)) return frames_.back().transform;

@@ -30,6 +30,8 @@ public:
   const std::vector<KeyFrame>& frames() const { return frames_; }
   /// The transform of the first key frame.
   const Transform& first() const { return frames_.front().transform; }
+  /// Whether all key frames differ by rotations and translations only, so that lengths and angles stay.
+  bool is_rigid() const;
   /// The transform at a time [s].
   Transform at(double time) const;
 

@@ -51,6 +51,12 @@ public:
 private:
   struct Coefficients {
     SampledSpectrum absorption, scattering;
+
+    static constexpr TableKind kTable{"coefficients of a paint", 1};
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.absorption, self.scattering);
+    }
   };
 
   /// Returns K and S per unit of length of the scene.

@@ -32,6 +32,10 @@ protected:
     const double turns = frequency_ * time + phase_, x = turns - std::floor(turns);
     return 1 - depth_ + depth_ * wave(x);
   }
+  double primitive(double time) const override {
+    const double turns = frequency_ * time + phase_, whole = std::floor(turns);
+    return (1 - depth_) * time + depth_ * (whole * area(1) + area(turns - whole)) / frequency_;
+  }
 
 private:
   /// The wave at the fraction x of its period, in [0, 1].
@@ -49,6 +53,23 @@ private:
         break;
     }
     return 1 - x;
+  }
+
+  /// Integral of the wave up to the fraction x of its period.
+  double area(double x) const {
+    switch (form_) {
+      case Form::sine:
+        return 0.5 * x - std::sin(2 * M_PI * x) / (4 * M_PI);
+      case Form::rectified:
+        return (1 - std::cos(M_PI * x)) / M_PI;
+      case Form::square:
+        return x < duty_ ? x : duty_;
+      case Form::triangle:
+        return x < 0.5 ? x * x : 2 * x - x * x - 0.5;
+      case Form::sawtooth:
+        break;
+    }
+    return x - 0.5 * x * x;
   }
 
   enum class Form { sine, rectified, square, triangle, sawtooth } form_ = Form::sine;

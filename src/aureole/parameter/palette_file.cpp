@@ -27,7 +27,10 @@ std::vector<double> recipe_fractions(const pigment::Palette& palette, const std:
                                      bool by_volume, const std::string& option) {
   try {
     std::vector<double> parts(palette.pigments.size());
-    for (const pigment::Component& c : pigment::parse_recipe(recipe)) {
+    // The name of a paint may look like a recipe.
+    const bool is_name = palette.find(recipe).has_value();
+    for (const pigment::Component& c :
+         is_name ? std::vector<pigment::Component>{{recipe, 1}} : pigment::parse_recipe(recipe)) {
       const auto at = palette.find(c.name);
       if (!at) {
         std::string all;

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -124,38 +126,31 @@ public:
     if (settings.varies_g) {
       // Mean cosines of the tables, as steps of ln(1 - g) from the g of the settings.
       const double isotropy = 1 - settings.g;
-      first_g_ = -std::min(kMostSteps, int(std::log(isotropy / kLeastIsotropy) / kStepG));
-      last_g_ = std::min(kMostSteps, int(std::log(kMostIsotropy / isotropy) / kStepG));
+      tables_.first_g = -std::min(kMostSteps, int(std::log(isotropy / kLeastIsotropy) / kStepG));
+      tables_.last_g = std::min(kMostSteps, int(std::log(kMostIsotropy / isotropy) / kStepG));
     }
-    nodes_.resize(std::size_t(last_g_ - first_g_ + 1) * kAcross * kDown);
-    threads(
-        nodes_.size() / kDown,
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t row = begin; row < end; ++row) {
-            const int table = first_g_ + int(row / kAcross), i = int(row % kAcross);
-            const double g = table == 0 ? settings_.g : 1 - (1 - settings_.g) * std::exp(kStepG * table);
-            for (int j = 0; j < kDown; ++j)
-              nodes_[row * kDown + std::size_t(j)] =
-                  logarithms(solve(std::exp(kFirstK + kStep * i), std::exp(kFirstS + kStep * j), g));
-          }
-        },
-        8);
+    tables_.nodes =
+        tabulate(threads, [this](double k, double s, double g) { return logarithms(solve(k, s, g)); });
     // The parts without a film, by the interface alone.
     const FilmParts bare = solve(1e-9, 1e-9, settings_.g);
-    bare_ = bare.down * bare.up, bare_inside_ = bare.inside;
+    tables_.bare = bare.down * bare.up, tables_.bare_inside = bare.inside;
     const auto reflected = [&] {
       optics::StackDescription stack;
       stack.layers = {{0, 0, 1, optics::LegendrePhase::isotropic(), settings.index}};
       stack.index_below = settings.index;
       return optics::PlaneStack(stack, {settings.streams}).fluxes(light()).unscattered_reflectance;
     };
-    gloss_ = settings.specular == Specular::included && settings.geometry != Geometry::angle_45_0
-                 ? reflected()
-                 : 0;
-    for (int table = first_g_; table <= last_g_; ++table)
+    tables_.gloss = settings.specular == Specular::included && settings.geometry != Geometry::angle_45_0
+                        ? reflected()
+                        : 0;
+    for (int table = tables_.first_g; table <= tables_.last_g; ++table)
       for (int i = 0; i < kRatios; ++i)
-        opaque_.push_back(at_the_end(kFirstRatio + kStep * i, kStepG * table));
+        tables_.opaque.push_back(at_the_end(kFirstRatio + kStep * i, kStepG * table));
   }
+
+  Streams(const StreamsSettings& settings, StreamsTables tables)
+      : settings_(settings), tables_(std::move(tables)) {}
+  const StreamsTables& tables() const { return tables_; }
 
   std::string name() const override { return "streams"; }
   std::optional<double> mean_cosine() const override {
@@ -165,18 +160,19 @@ public:
   std::optional<StreamsSettings> streams() const override { return settings_; }
 
   double card(double measured) const override {
-    const double body = std::max(0.0, measured - gloss_);
-    return std::min(1.0, body / (bare_ + bare_inside_ * body));
+    const double body = std::max(0.0, measured - tables_.gloss);
+    return std::min(1.0, body / (tables_.bare + tables_.bare_inside * body));
   }
 
   FilmValue over(const FilmLayer& layer, double substrate) const override {
-    const Interpolated p = at(layer);
+    const Interpolated p = at(layer, tables_.nodes);
     const double body = std::exp(p.value[0]), pass = std::exp(p.value[1] + p.value[2]), inside = p.value[3];
     const double left = 1 - inside * substrate, through = pass * substrate / left;
     const auto slope = [&](const std::array<double, 4>& d) {
       return body * d[0] + through * (d[1] + d[2] + substrate * d[3] / left);
     };
-    return {gloss_ + body + through, slope(p.by_k), slope(p.by_s), pass / (left * left), slope(p.by_g)};
+    return {tables_.gloss + body + through, slope(p.by_k), slope(p.by_s), pass / (left * left),
+            slope(p.by_g)};
   }
 
   FilmValue opaque(const FilmLayer& layer) const override {
@@ -187,14 +183,14 @@ public:
     weights(x - i, wx, dx);
     FilmValue r;
     const auto add = [&](int table, double weight, double slope) {
-      const double* of_table = opaque_.data() + std::ptrdiff_t(table - first_g_) * kRatios;
+      const double* of_table = tables_.opaque.data() + std::ptrdiff_t(table - tables_.first_g) * kRatios;
       for (int n = 0; n < 4; ++n) {
         const double value = of_table[std::clamp(i + n - 1, 0, kRatios - 1)];
         r.value += weight * wx[n] * value, r.by_ln_k += weight * dx[n] * value / kStep;
         r.by_g_shift += slope * wx[n] * value;
       }
     };
-    if (first_g_ == last_g_) {
+    if (tables_.first_g == tables_.last_g) {
       add(0, 1, 0);
     } else {
       const TablesOfG tables = tables_of(layer.g_shift);
@@ -207,7 +203,7 @@ public:
 
   FilmLight light(const FilmLayer& layer) const override {
     std::array<double, 4> v{};
-    if (first_g_ == last_g_) {
+    if (tables_.first_g == tables_.last_g) {
       v = values(layer.ln_k, layer.ln_s, 0);
     } else {
       const TablesOfG tables = tables_of(layer.g_shift);
@@ -217,7 +213,7 @@ public:
         for (std::size_t c = 0; c < 4; ++c) v[c] += tables.weight[a] * one[c];
       }
     }
-    return {gloss_ + std::exp(v[0]), std::exp(v[1] + v[2]), v[3]};
+    return {tables_.gloss + std::exp(v[0]), std::exp(v[1] + v[2]), v[3]};
   }
 
   double opaque_value(const FilmLayer& layer) const override {
@@ -226,12 +222,12 @@ public:
     double wx[4], dx[4];
     weights(x - i, wx, dx);
     const auto row = [&](int table) {
-      const double* of_table = opaque_.data() + std::ptrdiff_t(table - first_g_) * kRatios;
+      const double* of_table = tables_.opaque.data() + std::ptrdiff_t(table - tables_.first_g) * kRatios;
       double sum = 0;
       for (int a = 0; a < 4; ++a) sum += wx[a] * of_table[std::clamp(i + a - 1, 0, kRatios - 1)];
       return sum;
     };
-    if (first_g_ == last_g_) return row(0);
+    if (tables_.first_g == tables_.last_g) return row(0);
     const TablesOfG tables = tables_of(layer.g_shift);
     double value = 0;
     for (int a = 0; a < 4; ++a)
@@ -239,8 +235,8 @@ public:
     return value;
   }
 
-  FilmValue free_reflectance(const FilmLayer&) const override { return no_free_film(); }
-  FilmValue free_transmittance(const FilmLayer&) const override { return no_free_film(); }
+  FilmValue free_reflectance(const FilmLayer& layer) const override { return free(layer, 0); }
+  FilmValue free_transmittance(const FilmLayer& layer) const override { return free(layer, 1); }
 
 private:
   static constexpr double kStep = 0.125, kFirstK = -11.5, kLastK = 5.5, kFirstS = -6.5, kLastS = 7.25;
@@ -259,8 +255,56 @@ private:
     std::array<double, 4> value, by_k, by_s, by_g;
   };
 
-  [[noreturn]] static FilmValue no_free_film() {
-    throw std::domain_error("free films are not part of the theory by streams; use two fluxes");
+  /// The table of a function of K, S and g.
+  template <class Solve>
+  std::vector<Node> tabulate(const ParallelFor& threads, const Solve& solve) const {
+    std::vector<Node> nodes(std::size_t(tables_.last_g - tables_.first_g + 1) * kAcross * kDown);
+    threads(
+        nodes.size() / kDown,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t row = begin; row < end; ++row) {
+            const int table = tables_.first_g + int(row / kAcross), i = int(row % kAcross);
+            const double g = table == 0 ? settings_.g : 1 - (1 - settings_.g) * std::exp(kStepG * table);
+            for (int j = 0; j < kDown; ++j)
+              nodes[row * kDown + std::size_t(j)] =
+                  solve(std::exp(kFirstK + kStep * i), std::exp(kFirstS + kStep * j), g);
+          }
+        },
+        8);
+    return nodes;
+  }
+
+  /// Logarithms of reflectance and transmittance of a free film.
+  Node solve_free(double k, double s, double g) const {
+    optics::StackDescription stack;
+    stack.layers = {
+        {k / 2, 4. / 3 * s / (1 - g), 1, optics::LegendrePhase::henyey_greenstein(g), settings_.index}};
+    const bool at_normal = settings_.geometry == Geometry::angle_45_0,
+               has_gloss = settings_.specular == Specular::included && !at_normal;
+    const optics::PlaneStack solver(stack, {settings_.streams, true, at_normal ? 1 : 0});
+    const optics::StackLight lights[] = {light(), at_normal ? optics::StackLight::beam(1) : light()};
+    const auto fluxes = solver.fluxes(lights);
+    double reflectance = fluxes[0].reflectance - (has_gloss ? 0 : fluxes[0].unscattered_reflectance);
+    if (at_normal) {
+      const double normal[] = {1}, azimuth[] = {0};
+      reflectance = std::numbers::pi * solver.radiance(std::span(lights, 1), normal, azimuth)[0];
+    }
+    return logarithms({reflectance, fluxes[1].transmittance, 1, 0});
+  }
+
+  /// A free film's reflectance (`which` 0) or transmittance (1).
+  FilmValue free(const FilmLayer& layer, std::size_t which) const {
+    std::call_once(free_once_, [this] {
+      // Without threads, since callers are parallel themselves: one that waits for threads could begin another caller's work.
+      free_nodes_ =
+          tabulate(serial_for, [this](double k, double s, double g) { return solve_free(k, s, g); });
+    });
+    const Interpolated p = at(layer, free_nodes_);
+    FilmValue r;
+    r.value = std::exp(p.value[which]);
+    r.by_ln_k = r.value * p.by_k[which], r.by_ln_s = r.value * p.by_s[which];
+    r.by_g_shift = r.value * p.by_g[which];
+    return r;
   }
 
   /// Illumination of the instrument; by reciprocity d:8 is computed as 8:d.
@@ -311,11 +355,11 @@ private:
   }
 
   /// Interpolates in the table of one mean cosine, `table` steps from the g of the settings.
-  Interpolated at(double ln_k, double ln_s, int table) const {
+  Interpolated at(double ln_k, double ln_s, int table, const std::vector<Node>& of) const {
     const double x = (std::clamp(ln_k, kFirstK, kLastK) - kFirstK) / kStep,
                  y = (std::clamp(ln_s, kFirstS, kLastS) - kFirstS) / kStep;
     const int i = std::clamp(int(x), 0, kAcross - 2), j = std::clamp(int(y), 0, kDown - 2);
-    const Node* nodes = nodes_.data() + std::size_t(table - first_g_) * kAcross * kDown;
+    const Node* nodes = of.data() + std::size_t(table - tables_.first_g) * kAcross * kDown;
     double wx[4], dx[4], wy[4], dy[4];
     weights(x - i, wx, dx), weights(y - j, wy, dy);
     Interpolated r{};
@@ -343,7 +387,7 @@ private:
     const double x = (std::clamp(ln_k, kFirstK, kLastK) - kFirstK) / kStep,
                  y = (std::clamp(ln_s, kFirstS, kLastS) - kFirstS) / kStep;
     const int i = std::clamp(int(x), 0, kAcross - 2), j = std::clamp(int(y), 0, kDown - 2);
-    const Node* nodes = nodes_.data() + std::size_t(table - first_g_) * kAcross * kDown;
+    const Node* nodes = tables_.nodes.data() + std::size_t(table - tables_.first_g) * kAcross * kDown;
     double wx[4], wy[4], unused[4];
     weights(x - i, wx, unused), weights(y - j, wy, unused);
     std::array<double, 4> sum{};
@@ -366,23 +410,24 @@ private:
     bool is_within = true;  ///< whether the mean cosine is one of those tabulated
   };
   TablesOfG tables_of(double g_shift) const {
-    const double wanted = g_shift / kStepG, z = std::clamp(wanted, double(first_g_), double(last_g_));
-    const int base = std::clamp(int(std::floor(z)), first_g_, last_g_ - 1);
+    const double wanted = g_shift / kStepG,
+                 z = std::clamp(wanted, double(tables_.first_g), double(tables_.last_g));
+    const int base = std::clamp(int(std::floor(z)), tables_.first_g, tables_.last_g - 1);
     TablesOfG t;
     weights(z - base, t.weight, t.slope);
-    for (int a = 0; a < 4; ++a) t.index[a] = std::clamp(base + a - 1, first_g_, last_g_);
+    for (int a = 0; a < 4; ++a) t.index[a] = std::clamp(base + a - 1, tables_.first_g, tables_.last_g);
     t.is_within = z == wanted;
     return t;
   }
 
-  Interpolated at(const FilmLayer& layer) const {
-    if (first_g_ == last_g_) return at(layer.ln_k, layer.ln_s, 0);
+  Interpolated at(const FilmLayer& layer, const std::vector<Node>& of) const {
+    if (tables_.first_g == tables_.last_g) return at(layer.ln_k, layer.ln_s, 0, of);
     const TablesOfG tables = tables_of(layer.g_shift);
     Interpolated r{};
     for (int a = 0; a < 4; ++a) {
       const double weight = tables.weight[a], slope = tables.slope[a];
       if (weight == 0 && slope == 0) continue;
-      const Interpolated one = at(layer.ln_k, layer.ln_s, tables.index[a]);
+      const Interpolated one = at(layer.ln_k, layer.ln_s, tables.index[a], of);
       for (std::size_t c = 0; c < 4; ++c) {
         r.value[c] += weight * one.value[c];
         r.by_k[c] += weight * one.by_k[c], r.by_s[c] += weight * one.by_s[c];
@@ -393,13 +438,22 @@ private:
   }
 
   StreamsSettings settings_;
-  int first_g_ = 0, last_g_ = 0;  ///< tables, in steps of ln(1 - g) from the theory's own g
-  std::vector<Node> nodes_;       ///< by table, ln K, ln S
-  std::vector<double> opaque_;    ///< reflectances of opaque layers, by table and ln(K/S)
-  double bare_ = 1, bare_inside_ = 0, gloss_ = 0;
+  mutable std::once_flag free_once_;
+  mutable std::vector<Node> free_nodes_;  ///< ln R and ln T of free films, empty before the first one
+  StreamsTables tables_;
 };
 
 }  // namespace
+
+OpaqueReflectance::OpaqueReflectance(const FilmTheory& theory) : values_(kCells + 3) {
+  constexpr double kSmallest = 1e-30;
+  for (int i = 0; i <= kCells; ++i) {
+    const double r = double(i) / kCells, ratio = i == 0 ? 1 / kSmallest : (1 - r) * (1 - r) / (2 * r);
+    values_[std::size_t(i + 1)] = theory.opaque({std::log(std::max(ratio, kSmallest)), 0}).value;
+  }
+  values_[0] = 2 * values_[1] - values_[2];
+  values_[kCells + 2] = 2 * values_[kCells + 1] - values_[kCells];
+}
 
 InnerFilm inner_film(const FilmLight& light, const Surface& surface) {
   // The outer reflectance is seen + (a + b g)/(1 - inside g) with the interface's own `surface.seen` in `seen`, and the inner
@@ -416,6 +470,14 @@ std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface) {
 
 std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings, const ParallelFor& threads) {
   return std::make_unique<Streams>(settings, threads);
+}
+
+StreamsTables streams_tables(const StreamsSettings& settings, const ParallelFor& threads) {
+  return Streams(settings, threads).tables();
+}
+
+std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings, StreamsTables tables) {
+  return std::make_unique<Streams>(settings, std::move(tables));
 }
 
 }  // namespace aureole::pigment

@@ -6,9 +6,13 @@
 // (transport_coefficients.h, `three_quarters`), in both theories. Fits work with ln K and ln S.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "aureole/core/parallel_for.h"
 #include "aureole/pigment/saunderson.h"
@@ -81,10 +85,31 @@ public:
   virtual FilmLight light(const FilmLayer& layer) const = 0;
   /// The value of `opaque`, without derivatives.
   virtual double opaque_value(const FilmLayer& layer) const { return opaque(layer).value; }
-  /// Reflectance or transmittance of a free film with an interface on each side. Throws std::domain_error if the
-  /// theory does not include free films.
+  /// Reflectance or transmittance, as measured, of a free film with an interface on each side. Transmittance is that of all
+  /// light that leaves below, unscattered light included.
   virtual FilmValue free_reflectance(const FilmLayer& layer) const = 0;
   virtual FilmValue free_transmittance(const FilmLayer& layer) const = 0;
+};
+
+/// Reflectances of opaque layers by a theory, for searches that evaluate millions of them. They are tabulated over the inner reflectance
+/// S/(K + S + sqrt(K^2 + 2 K S)) of two fluxes, of which that of a theory is a smooth function, so that no logarithm is needed. The
+/// difference from `FilmTheory::opaque` is below 1e-5. Layers have the theory's own mean cosine.
+class OpaqueReflectance {
+public:
+  explicit OpaqueReflectance(const FilmTheory& theory);
+  double operator()(double k, double s) const {
+    constexpr double kTiny = 1e-300;  // avoids 0/0 for a paint with K = S = 0
+    const double x = kCells * s / (k + s + std::sqrt(k * (k + 2 * s)) + kTiny);
+    const int i = std::min(int(x), kCells - 1);
+    const double t = x - i, *v = values_.data() + i;
+    return v[1] + 0.5 * t *
+                      (v[2] - v[0] +
+                       t * (2 * v[0] - 5 * v[1] + 4 * v[2] - v[3] + t * (3 * (v[1] - v[2]) + v[3] - v[0])));
+  }
+
+private:
+  static constexpr int kCells = 1024;
+  std::vector<double> values_;  ///< at the nodes, and one extrapolated value beyond each end
 };
 
 /// Kubelka and Munk's two fluxes under a Saunderson interface.
@@ -93,9 +118,30 @@ std::unique_ptr<FilmTheory> two_flux_theory(const Surface& surface);
 /// Radiative transfer by discrete ordinates (optics/stack). Solutions are tabulated once over ln K and ln S
 /// (some 0.5 s) and interpolated by cubic polynomials, with an error below 1e-4 in reflectance. With `varies_g`
 /// there is such a table for each of up to nine mean cosines, 0.3 of ln(1 - g) apart, with 1 - g from 0.05 to 1.3
-/// and no more than a factor of 3.3 from 1 - `g`; layers beyond use the nearest table. Free films are not
-/// included.
+/// and no more than a factor of 3.3 from 1 - `g`; layers beyond use the nearest table. Free films have tables of their own, made
+/// when the first one is wanted: reflectance is without the light that both interfaces reflect specularly where this is excluded,
+/// and transmittance is for a beam at 8 degrees (`diffuse_8`), along the normal (`angle_45_0`), or for diffuse light.
 std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings,
                                            const ParallelFor& threads = serial_for);
+
+/// The tables of the theory by streams, for callers that keep them.
+struct StreamsTables {
+  int first_g = 0, last_g = 0;              ///< tables, in steps of ln(1 - g) from the theory's own g
+  std::vector<std::array<float, 4>> nodes;  ///< logarithms of the film's parts, by table, ln K, ln S
+  std::vector<double> opaque;               ///< reflectances of opaque layers, by table and ln(K/S)
+  /// of the interface without a film: the fraction of a card's light that is received, that returns to the card, and
+  /// what the interface reflects
+  double bare = 1, bare_inside = 0, gloss = 0;
+
+  /// Calls `all` with the members; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.first_g, self.last_g, self.nodes, self.opaque, self.bare, self.bare_inside, self.gloss);
+  }
+};
+/// Returns the tables of `streams_theory` with these settings.
+StreamsTables streams_tables(const StreamsSettings& settings, const ParallelFor& threads = serial_for);
+/// Returns the theory of tables that `streams_tables` has made with the same settings.
+std::unique_ptr<FilmTheory> streams_theory(const StreamsSettings& settings, StreamsTables tables);
 
 }  // namespace aureole::pigment

@@ -102,14 +102,20 @@ void Fitter::check_samples() const {
   for (std::size_t s = 0; s < table_.samples.size(); ++s) {
     const Sample& sample = table_.samples[s];
     const std::string named = "sample \"" + sample.name + "\"";
+    const auto right = [&](const auto& change) { return right_sample_line(sample, change); };
     if (sample.paints.empty()) {
-      if (sample.name.empty()) throw SampleError(s, -1, "a bare substrate needs a name");
+      if (sample.name.empty())
+        throw SampleError(s, -1, "a bare substrate needs a name" + right([](Sample& r) { r.name = "card"; }));
     } else if (sample.backing != "opaque") {
-      if (!(sample.thickness > 0)) throw SampleError(s, -1, named + " is not opaque and needs its thickness");
+      if (!(sample.thickness > 0))
+        throw SampleError(s, -1, named + " is not opaque and needs its thickness" + right([](Sample& r) {
+                                   r.thickness = 24e-6;
+                                 }));
       const auto number = backing_reflectance(sample);
       if (number && !(*number >= 0 && *number <= 1))
         throw SampleError(s, -1,
-                          named + ": the backing's reflectance must be in [0, 1], got " + sample.backing);
+                          named + ": the backing's reflectance must be in [0, 1], got " + sample.backing +
+                              right([](Sample& r) { r.backing = "0.04"; }));
       const bool known = std::any_of(table_.samples.begin(), table_.samples.end(), [&](const Sample& other) {
         return other.paints.empty() && other.name == sample.backing;
       });
@@ -117,11 +123,19 @@ void Fitter::check_samples() const {
         throw SampleError(
             s, -1,
             named + ": there is no bare substrate \"" + sample.backing +
-                "\" (backings are opaque, none, a reflectance, or the name of a sample without paints)");
+                "\" (backings are opaque, none, a reflectance, or the name of a sample without paints)" +
+                right([&](Sample& r) {
+                  const auto card = std::find_if(table_.samples.begin(), table_.samples.end(),
+                                                 [](const Sample& other) { return other.paints.empty(); });
+                  r.backing = card == table_.samples.end() ? "0.04" : card->name;
+                }));
     }
     if (sample.quantity == Sample::Quantity::transmittance) {
       if (sample.backing != "none")
-        throw SampleError(s, -1, named + ": transmittance is that of a free film, backing none");
+
+        throw SampleError(s, -1,
+                          named + ": transmittance is that of a free film, backing none" +
+                              right([](Sample& r) { r.backing = "none"; }));
       continue;
     }
     if (sample.backing == "none" && !sample.paints.empty())

@@ -24,7 +24,9 @@ JointSystem::Row JointSystem::row_of(std::size_t index, const Sample& sample) {
   const bool through = sample.quantity == Sample::Quantity::transmittance;
   if (sample.backing == "opaque") {
     if (through)
-      throw SampleError(index, -1, "sample \"" + sample.name + "\": an opaque layer transmits nothing");
+      throw SampleError(index, -1,
+                        "sample \"" + sample.name + "\": an opaque layer transmits nothing" +
+                            right_sample_line(sample, [](Sample& r) { r.backing = "none"; }));
     row.kind = Row::Kind::opaque;
     return row;
   }
@@ -34,12 +36,14 @@ JointSystem::Row JointSystem::row_of(std::size_t index, const Sample& sample) {
   }
   if (through)
     throw SampleError(index, -1,
-                      "sample \"" + sample.name + "\": transmittance is that of a free film, backing none");
+                      "sample \"" + sample.name + "\": transmittance is that of a free film, backing none" +
+                          right_sample_line(sample, [](Sample& r) { r.backing = "none"; }));
   if (const auto number = backing_reflectance(sample)) {
     if (!(*number >= 0 && *number <= 1))
       throw SampleError(index, -1,
                         "sample \"" + sample.name + "\": the backing's reflectance must be in [0, 1], got " +
-                            sample.backing);
+                            sample.backing +
+                            right_sample_line(sample, [](Sample& r) { r.backing = "0.04"; }));
     row.substrate.assign(wavelengths_, *number);
     return row;
   }
@@ -90,7 +94,10 @@ void JointSystem::collect(const std::vector<std::size_t>& left_out) {
   for (std::size_t s = 0; s < table_.samples.size(); ++s) {
     const Sample& sample = table_.samples[s];
     if (sample.paints.empty() && sample.name.empty())
-      throw SampleError(s, -1, "a bare substrate needs a name");
+
+      throw SampleError(s, -1, "a bare substrate needs a name" + right_sample_line(sample, [](Sample& r) {
+                                 r.name = "card";
+                               }));
     if (!used(s)) continue;
     for (const Component& c : sample.paints) {
       if (index_of(c.name) < 0) names_.push_back(c.name);
@@ -125,17 +132,19 @@ void JointSystem::collect(const std::vector<std::size_t>& left_out) {
                                       return a.paint == b.paint && std::abs(a.fraction - b.fraction) < 1e-6;
                                     });
       if (!equal)
-        throw SampleError(s, -1,
-                          "sample \"" + sample.name +
-                              "\": its recipe differs from that of other samples of specimen \"" +
-                              sample.specimen + "\"");
+        throw SampleError(
+            s, -1,
+            "sample \"" + sample.name + "\": its recipe differs from that of other samples of specimen \"" +
+                sample.specimen + "\"" + right_sample_line(sample, [](Sample& r) { r.specimen += " b"; }));
       const double stated = table_.samples[rows_[same.rows.front()].sample].thickness;
       if (std::abs(sample.thickness - stated) > 1e-6 * std::max(sample.thickness, stated))
-        throw SampleError(s, -1,
-                          "sample \"" + sample.name +
-                              "\": its thickness differs from that of other samples of specimen \"" +
-                              (sample.specimen.empty() ? same.name : sample.specimen) +
-                              "\"; give films of their own the column \"specimen\"");
+        throw SampleError(
+            s, -1,
+            "sample \"" + sample.name +
+                "\": its thickness differs from that of other samples of specimen \"" +
+                (sample.specimen.empty() ? same.name : sample.specimen) +
+                "\"; give films of their own the column \"specimen\"" +
+                right_sample_line(sample, [](Sample& r) { r.specimen += r.specimen.empty() ? "b" : " b"; }));
     }
     Row row = row_of(s, sample);
     row.specimen = at->second;

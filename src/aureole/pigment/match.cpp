@@ -404,6 +404,8 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
   const auto levels = paint_sets(problem.settings);
   if (problem.palette.streams)
     problem.theory = theory ? std::move(theory) : theory_of(problem.palette, parallel_for);
+  if (problem.theory && !problem.theory->mean_cosine())
+    problem.opaque = std::make_shared<const OpaqueReflectance>(*problem.theory);
   std::size_t count = 0;
   for (const auto& level : levels) count += level.size();
   const bool is_exhaustive = count <= kExhaustive;

@@ -132,6 +132,11 @@ const std::vector<double>& Mixer::reflectance(const Shares& shares) {
       reflectance_[i] = layers_[i].over(below.size() == 1 ? below[0] : below[i]);
     return reflectance_;
   }
+  if (problem_.opaque) {
+    const OpaqueReflectance& opaque = *problem_.opaque;
+    for (std::size_t i = 0; i < n; ++i) reflectance_[i] = opaque(k_[i], s_[i]);
+    return reflectance_;
+  }
   if (problem_.theory) {
     constexpr double kLeast = 1e-12;  // as `light_of`
     for (std::size_t i = 0; i < n; ++i)

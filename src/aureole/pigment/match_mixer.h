@@ -26,6 +26,8 @@ struct MatchProblem {
   MatchSettings settings;          ///< with bounds for each pigment
   /// The theory that the palette's K and S were fitted by; null for two fluxes.
   std::shared_ptr<const FilmTheory> theory = {};
+  /// Opaque layers of `theory`, if no paint has a mean cosine of its own.
+  std::shared_ptr<const OpaqueReflectance> opaque = {};
   /// A set of paints whose largest contrast ratio is below the least one by no more than this is kept, at its largest
   /// contrast ratio: for a search at groups of wavelengths, whose contrast ratios are not exact.
   double contrast_slack = 0;

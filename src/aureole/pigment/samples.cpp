@@ -746,6 +746,19 @@ Instrument instrument_called(const std::string& text) {
   return result;
 }
 
+std::string right_sample_line(const Sample& s) {
+  const std::vector<std::string> cells{s.name,
+                                       s.specimen,
+                                       s.paints.empty()       ? ""
+                                       : s.paints.size() == 1 ? s.paints[0].name
+                                                              : recipe_text(s.paints),
+                                       s.quantity == Sample::Quantity::transmittance ? "T" : "R",
+                                       s.paints.empty() ? "" : s.backing,
+                                       s.thickness > 0 ? number_text(1e6 * s.thickness) : ""};
+  return "; a line that would be right, before its values:\n    sample,specimen,paints,quantity,backing,thickness_um\n    " +
+         line_of(cells, ',');
+}
+
 std::string sample_table_template() {
   return "# One measurement a line. paints: a recipe by mass. backing: opaque, none (a free film), a reflectance, or\n"
          "# the name of a line without paints, a bare card. Films need a thickness, or: aureole pigment fit --joint.\n"

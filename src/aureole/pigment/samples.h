@@ -78,6 +78,16 @@ private:
   int wavelength_;
 };
 
+/// The end of an error on a measurement: the line of a table, without its values, that would be right for `sample`, below its
+/// headings.
+std::string right_sample_line(const Sample& sample);
+/// As above, for a sample after `change(sample)`.
+template <class Change>
+std::string right_sample_line(Sample sample, const Change& change) {
+  change(sample);
+  return right_sample_line(sample);
+}
+
 /// Whether a table must state the recipes of its samples. Colours alone do not need them.
 enum class Recipes { required, optional };
 

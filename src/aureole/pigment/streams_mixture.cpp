@@ -10,17 +10,21 @@ namespace {
 
 /// ln K and ln S of layers above which the tables of the theory end; such layers are opaque.
 constexpr double kOpaqueK = 5, kOpaqueS = 7;
+/// Least K and S of a layer.
+constexpr double kLeastOfLayer = 1e-12;
 
 }  // namespace
 
-std::shared_ptr<const FilmTheory> theory_of(const Palette& palette, const ParallelFor& threads) {
+StreamsSettings streams_settings(const Palette& palette) {
   if (!palette.streams) throw std::domain_error("the palette was not fitted by streams");
   const PaletteStreams& s = *palette.streams;
   const bool varies = std::any_of(palette.pigments.begin(), palette.pigments.end(),
                                   [](const Pigment& p) { return p.g.has_value(); });
-  return streams_theory(
-      {.index = s.index, .g = s.g, .geometry = s.geometry, .specular = s.specular, .varies_g = varies},
-      threads);
+  return {.index = s.index, .g = s.g, .geometry = s.geometry, .specular = s.specular, .varies_g = varies};
+}
+
+std::shared_ptr<const FilmTheory> theory_of(const Palette& palette, const ParallelFor& threads) {
+  return streams_theory(streams_settings(palette), threads);
 }
 
 std::vector<double> g_shifts(const Palette& palette, std::span<const double> fractions) {
@@ -39,13 +43,20 @@ std::vector<double> g_shifts(const Palette& palette, std::span<const double> fra
 }
 
 FilmLight light_of(const FilmTheory& theory, const Coefficients& c, double g_shift, double thickness) {
-  constexpr double kLeast = 1e-12;
   const double depth = std::isinf(thickness) ? 1 : thickness;
-  const FilmLayer layer{std::log(std::max(c.k * depth, kLeast)), std::log(std::max(c.s * depth, kLeast)),
-                        g_shift};
+  const FilmLayer layer{std::log(std::max(c.k * depth, kLeastOfLayer)),
+                        std::log(std::max(c.s * depth, kLeastOfLayer)), g_shift};
   if (std::isinf(thickness) || layer.ln_k > kOpaqueK || layer.ln_s > kOpaqueS)
     return {theory.opaque_value(layer), 0, 0};
   return theory.light(layer);
+}
+
+LayerTransfer free_film_of(const FilmTheory& theory, const Coefficients& c, double g_shift,
+                           double thickness) {
+  const FilmLayer layer{std::log(std::max(c.k * thickness, kLeastOfLayer)),
+                        std::log(std::max(c.s * thickness, kLeastOfLayer)), g_shift};
+  if (layer.ln_k > kOpaqueK || layer.ln_s > kOpaqueS) return {theory.opaque_value(layer), 0};
+  return {theory.free_reflectance(layer).value, theory.free_transmittance(layer).value};
 }
 
 StreamsMixture::StreamsMixture(Palette palette, const ParallelFor& threads)
@@ -57,6 +68,16 @@ std::vector<FilmLight> StreamsMixture::light(std::span<const double> fractions, 
   std::vector<FilmLight> all;
   for (std::size_t i = 0; i < paint.size(); ++i)
     all.push_back(light_of(*theory_, paint[i], shifts[i], thickness));
+  return all;
+}
+
+std::vector<LayerTransfer> StreamsMixture::free_film(std::span<const double> fractions,
+                                                     double thickness) const {
+  const Paint paint = mix(palette_, fractions);
+  const std::vector<double> shifts = g_shifts(palette_, fractions);
+  std::vector<LayerTransfer> all;
+  for (std::size_t i = 0; i < paint.size(); ++i)
+    all.push_back(free_film_of(*theory_, paint[i], shifts[i], thickness));
   return all;
 }
 

@@ -11,6 +11,9 @@
 
 namespace aureole::pigment {
 
+/// Returns the settings of the theory by which a palette was fitted. Throws std::domain_error if it was not fitted by streams.
+StreamsSettings streams_settings(const Palette& palette);
+
 /// Tabulates the theory by which a palette's K and S were fitted (`streams_theory`, some 0.5 s on one core). Throws
 /// std::domain_error for a palette that was not fitted by streams.
 std::shared_ptr<const FilmTheory> theory_of(const Palette& palette, const ParallelFor& threads = serial_for);
@@ -25,6 +28,10 @@ std::vector<double> g_shifts(const Palette& palette, std::span<const double> fra
 FilmLight light_of(const FilmTheory& theory, const Coefficients& coefficients, double g_shift,
                    double thickness);
 
+/// Reflectance and transmittance of a free film with these K and S and `g_shift`, as `light_of`. `thickness` must be finite.
+LayerTransfer free_film_of(const FilmTheory& theory, const Coefficients& coefficients, double g_shift,
+                           double thickness);
+
 /// A palette and the theory by streams that its K and S belong to.
 class StreamsMixture {
 public:
@@ -38,6 +45,10 @@ public:
   /// ignored.
   std::vector<double> reflectance(std::span<const double> fractions, double thickness,
                                   Substrate substrate) const;
+  /// Reflectance and transmittance of a free film at each wavelength, with an interface on each side, as the instrument of
+  /// `Palette::streams` measures them (`FilmTheory::free_reflectance`). `thickness` must be finite. The first call makes tables of
+  /// free films (some 0.5 s).
+  std::vector<LayerTransfer> free_film(std::span<const double> fractions, double thickness) const;
   const std::shared_ptr<const FilmTheory>& theory() const { return theory_; }
 
 private:

@@ -5,6 +5,7 @@
 
 #include "aureole/core/input_file.h"
 #include "aureole/core/units.h"
+#include "aureole/plugin/late_notes.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/value_limit.h"
 
@@ -250,11 +251,24 @@ std::filesystem::path Properties::get_file(std::string_view name) const {
 }
 
 void Properties::note(std::string_view name, const std::string& message) const {
+  if (making_.notes) making_.notes->emplace_back(name, message);
   if (!context_->diagnostics) return;
+  if (context_->diagnostics == closed_diagnostics())
+    throw std::logic_error(
+        "a note after loading would be lost; notes on a scene belong to Integrator::scene_notes: " + message);
   SourceLocation at = where_;
   for (const Entry& e : entries_)
     if (e.name == name) at = e.where;
   context_->diagnostics->note(at, message);
+}
+
+std::string note_text(const Properties& properties, std::string_view name, const std::string& message) {
+  return properties.error(name, message).what();
+}
+
+Diagnostics* closed_diagnostics() {
+  static Diagnostics closed;
+  return &closed;
 }
 
 void Properties::expect_at_most(std::string_view name, double maximum) const {

@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +20,8 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/random.h"
+#include "aureole/core/table_fields.h"
+#include "aureole/core/word_hash.h"
 #include "aureole/math/motion.h"
 #include "aureole/plugin/model_cache.h"
 #include "aureole/plugin/object.h"
@@ -26,6 +29,7 @@
 
 namespace aureole {
 
+class TableCache;
 struct ParameterDoc;
 struct PluginInfo;
 
@@ -37,6 +41,9 @@ public:
   virtual ObjectPtr find(std::string_view family, const std::string& id) = 0;
   /// Declares a file that no parameter names, so that its content becomes part of the scene's hash.
   virtual void add_file(const std::filesystem::path& file) = 0;
+  /// Returns a hash of all that the object under construction is made from, with the content of files that its
+  /// parameters name; nothing where that is not known.
+  virtual std::optional<WideHashValue> inputs_of_object() { return {}; }
 };
 
 /// Settings of a scene with which its objects are built.
@@ -48,6 +55,7 @@ struct BuildContext {
   Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
   SceneLookup* scene = nullptr;        ///< null outside of a scene and after it is built
   std::shared_ptr<ModelCache> models;  ///< tables that equal objects share; null: nothing is shared
+  std::shared_ptr<TableCache> tables;  ///< tables of earlier programs; null: none are kept
 };
 
 /// A spectrum as written in a scene file. The parameter for which it is given decides its meaning
@@ -180,14 +188,15 @@ public:
   /// Returns tables that take long to compute and depend only on the parameters of the object, the
   /// wavelengths and the unit of length. They are shared with equal objects, or else made by `make`, which
   /// returns a std::shared_ptr<const T>. Null if the scene is known to have errors: nothing will be rendered,
-  /// so that the user need not wait for tables.
+  /// so that the user need not wait for tables. Tables with `kTable` (core/table_fields.h) are kept on disc, too; they must
+  /// not depend on a file that no parameter names.
   template <class T, class Make>
   std::shared_ptr<const T> shared_model(Make&& make) const {
     if (!making_.problems.empty() || (context_->diagnostics && context_->diagnostics->has_errors()))
       return mark_documented_read(), nullptr;
     if (!context_->models || content_ == 0) return make();
     bool is_new = false;
-    auto model = context_->models->get<T>(content_, [&] { return is_new = true, make(); });
+    auto model = context_->models->get<T>(content_, [&] { return kept_or_made<T>({}, is_new, make); });
     if (!is_new) mark_documented_read();  // marks the parameters as read, as `make` did for the equal object
     return model;
   }
@@ -201,7 +210,8 @@ public:
     if (!context_->models) return make();
     std::uint64_t content = key.size();
     for (const double number : key) content = combine_bits(content, std::bit_cast<std::uint64_t>(number));
-    return context_->models->get<T>(content, make);
+    bool is_new = false;
+    return context_->models->get<T>(content, [&] { return kept_or_made<T>(&key, is_new, make); });
   }
 
   /// Records that values of the parameter which are known only later, such as the values of a mesh attribute,
@@ -240,6 +250,56 @@ public:
   std::vector<std::string> queried() const;
 
 private:
+  /// Reads a table that an earlier program has kept, or makes it and keeps it. `key`: the numbers that it depends on;
+  /// null: the inputs of the object. Sets `is_new`: the parameters that the computation reads are marked as read.
+  template <class T, class Make>
+  std::shared_ptr<const T> kept_or_made(const std::vector<double>* key, bool& is_new, Make&& make) const {
+    if constexpr (KeepableTable<T>) {
+      if (context_->tables) {
+        KeptTableOfObject kept(*this, T::kTable, key);
+        if (const std::optional<std::span<const char>> bytes = kept.find()) {
+          auto table = std::make_shared<T>();
+          TableReader reader(*bytes);
+          T::fields(*table, reader);
+          if (reader.is_complete()) return kept.accept(), is_new = true, table;
+          kept.refuse();
+        }
+        is_new = true;
+        kept.begin();
+        std::shared_ptr<const T> made = make();
+        bool is_keepable = made && kept.is_wanted();
+        if constexpr (requires(const T& t) { t.is_keepable(); })
+          is_keepable = is_keepable && made->is_keepable();
+        if (is_keepable) {
+          TableWriter writer;
+          T::fields(*made, writer);
+          kept.keep(std::move(writer.bytes()));
+        }
+        return made;
+      }
+    }
+    return is_new = true, make();
+  }
+  /// The entry of one table in the cache, while an object is constructed.
+  class KeptTableOfObject {
+  public:
+    KeptTableOfObject(const Properties& properties, const TableKind& kind, const std::vector<double>* key);
+    ~KeptTableOfObject();
+    KeptTableOfObject(const KeptTableOfObject&) = delete;
+    KeptTableOfObject& operator=(const KeptTableOfObject&) = delete;
+    std::optional<std::span<const char>> find();
+    /// Gives the notes again that the computation of the table gave, and marks the parameters that it had read.
+    void accept();
+    void refuse();  ///< the bytes are no such table
+    void begin();   ///< the computation begins
+    /// Whether a table that was computed can be kept: all that was noted meanwhile was noted by this object.
+    bool is_wanted() const;
+    void keep(std::vector<char> bytes);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+  };
   template <class T>
   static const T* get_if_shared(const Value& value) {
     const auto* shared = std::get_if<Shared<T>>(&value);
@@ -270,6 +330,8 @@ private:
   struct Making {
     bool now = false;
     std::vector<Error> problems;
+    /// receives name and message of each note while a table is made that will be kept; null: none is made
+    std::vector<std::pair<std::string, std::string>>* notes = nullptr;
 
     Making() = default;
     Making(const Making&) {}

@@ -27,8 +27,16 @@ inline SensorRay begin_camera_sample(const Scene& scene, std::uint64_t key, int 
   const bool lens = sensor.uses_lens(), changes = scene.changes();
   if (changes) {
     const Exposure& exposure = sensor.sensor->exposure();
-    wavelengths.time = exposure.time(exposure.is_instant() ? 0.f : samples.get1(SampleStream::kTime), x, y,
-                                     scene.film().width(), scene.film().height());
+    const float u = exposure.is_instant() ? 0.f : samples.get1(SampleStream::kTime);
+    const Film& film = scene.film();
+    if (const ExposureTimes* times = scene.exposure_times()) {
+      const double begin = exposure.begin(x, y, film.width(), film.height());
+      const ExposureTimes::Sample s = times->sample(double(u), begin, begin + exposure.duration());
+      wavelengths.time = float(s.time), wavelengths.time_weight = float(1 / s.density);
+      wavelengths.pdf *= float(s.density);
+    } else {
+      wavelengths.time = exposure.time(u, x, y, film.width(), film.height());
+    }
   }
   const Vec2 lens_position = lens ? samples.get2(SampleStream::kLens) : Vec2{};
   if (sensor.disperses()) wavelengths = wavelengths.of_hero();

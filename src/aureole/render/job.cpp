@@ -116,6 +116,17 @@ RenderState RenderJob::snapshot() const {
   return copy;
 }
 
+void RenderJob::measure_approximations(int threads) {
+  const PictureIdentity& picture = state_.identity;
+  const double samples =
+      double(state_.end - state_.begin) * picture.width * picture.height * picture.replicates;
+  std::vector<std::string> texts;
+  for (ApproximationError& error : integrator_->approximation_errors(*scene_, samples, threads))
+    texts.push_back(std::move(error.text));
+  const std::lock_guard guard(lock_->mutex);
+  state_.approximations = std::move(texts);
+}
+
 void RenderJob::finish(RenderState& state) const {
   if (renderer_->splat_film()) renderer_->splat_film()->set_weights(state);
 }
@@ -203,8 +214,10 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
       out_of_time = finished > finished_before && now_s() - start >= options_.time_limit_s && limit < units;
     }
   }
-  const double seconds = now_s() - start;
   const bool complete = state_.done.contains(wanted);
+  // One of several parts of a picture, or one that continues later, would repeat the work of the others.
+  if ((complete || out_of_time) && !options_.units) measure_approximations(threads);
+  const double seconds = now_s() - start;
   if (report) report_units(finished, seconds);
   if (!options_.state_file.empty() && (!complete || options_.keep_state)) {
     checkpoint(spent_before + seconds);

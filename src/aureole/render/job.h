@@ -68,6 +68,8 @@ private:
   /// Counts a unit as done. The caller must hold `lock_`.
   void count_as_done(std::int64_t unit, const std::vector<InvalidSample>& invalid);
   void checkpoint(double seconds);
+  /// Measures the errors of the integrator's approximations for a picture that is finished.
+  void measure_approximations(int threads);
   /// Updates the splat weights of the state to the units done. The caller must hold both locks.
   void finish(RenderState& state) const;
 

@@ -2,6 +2,7 @@
 #include "aureole/render/output.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <sstream>
@@ -45,22 +46,7 @@ void require_format(const Development& development, int replicates, const std::f
                 fmt::format("{}", fmt::join(names, ", ")) + ")");
 }
 
-std::string channels_attribute(const std::vector<std::string>& names,
-                               const std::vector<std::string>& meanings) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), meanings.size()); ++i)
-    text += names[i] + ": " + meanings[i] + "\n";
-  return text;
-}
-
-std::string channel_meaning(const std::string& attribute, const std::string& channel) {
-  std::istringstream lines(attribute);
-  for (std::string line; std::getline(lines, line);)
-    if (line.starts_with(channel + ": ")) return line.substr(channel.size() + 2);
-  return {};
-}
-
-void write_picture(const RenderState& s, const Image& picture, const std::filesystem::path& file) {
+ExrAttributes picture_attributes(const RenderState& s) {
   ExrAttributes a;
   a.strings["aureole:scene"] = s.identity.scene;
   a.strings["aureole:scene_hash"] = fmt::format("{:016x}", s.identity.scene_hash);
@@ -73,21 +59,27 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
   a.floats["aureole:mean_density"] = float(mean_density(s.density));
   if (!s.development.meanings.empty())
     a.strings[kChannelsAttribute] = channels_attribute(s.development.names, s.development.meanings);
+  if (!s.approximations.empty())
+    a.strings["aureole:approximations"] = fmt::format("{}", fmt::join(s.approximations, "\n"));
   a.integers["aureole:spp"] = int(s.samples_everywhere());
   a.integers["aureole:replicates"] = s.identity.replicates;
   a.integers["aureole:wavelengths"] = s.identity.wavelengths;
   a.integers["aureole:invalid_samples"] = int(s.invalid_samples);
   a.floats["aureole:seconds"] = float(s.seconds);
-  const bool single = s.development.half && s.identity.replicates == 1;
   if (s.development.names.end() != std::find_if(s.development.names.begin(), s.development.names.end(),
                                                 [](const auto& name) { return name.starts_with("S0."); })) {
     // Attributes required by the OpenEXR layout for spectral images, which defines no unit per nm.
     a.strings["spectralLayoutVersion"] = "1.0";
     a.strings["emissiveUnits"] = "W.m^-2.sr^-1";
   }
+  return a;
+}
+
+void write_picture(const RenderState& s, const Image& picture, const std::filesystem::path& file) {
+  const bool single = s.development.half && s.identity.replicates == 1;
   const std::string extension = file.extension();
   if (extension == ".exr")
-    write_exr(file, picture, single ? ExrPixel::half : ExrPixel::float32, a);
+    write_exr(file, picture, single ? ExrPixel::half : ExrPixel::float32, picture_attributes(s));
   else if (extension == ".pfm")
     write_pfm(file, colors_of(picture));
   else

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/core/channel_meanings.h"
 #include "aureole/render/state.h"
 #include "aureole/render/tone.h"
 
@@ -22,15 +23,11 @@ void require_format(const Development& development, int replicates, const std::f
 void write_pictures(const RenderState& state, const std::filesystem::path& file,
                     const std::optional<Tone>& tone = {});
 
+/// Returns the header of a picture: scene, seed, samples, version, wall time and what its channels hold.
+ExrAttributes picture_attributes(const RenderState& state);
+
 /// Writes `picture`, which was developed from `state`, with the state's metadata and without a PNG.
 void write_picture(const RenderState& state, const Image& picture, const std::filesystem::path& file);
-
-/// The string attribute of an EXR header that says what its channels hold: a line "name: meaning" for each.
-inline constexpr const char* kChannelsAttribute = "aureole:channels";
-std::string channels_attribute(const std::vector<std::string>& names,
-                               const std::vector<std::string>& meanings);
-/// Returns the meaning of a channel from that attribute; empty if it has none.
-std::string channel_meaning(const std::string& attribute, const std::string& channel);
 
 /// Writes only the PNG.
 void write_preview(const RenderState& state, const std::filesystem::path& exr_file,

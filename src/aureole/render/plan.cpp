@@ -99,6 +99,17 @@ Development development_of(const Film& film, const std::vector<std::string>& aov
   return d;
 }
 
+void divide_for_denoising(const LoadedScene& loaded, RenderOptions& options) {
+  if (options.replicates > 1) return;
+  constexpr std::int64_t kMostReplicates = 4;
+  const std::int64_t samples = options.end ? *options.end : loaded.scene->sensor().sampler().sample_count();
+  const std::int64_t replicates =
+      std::clamp<std::int64_t>(samples / kSampleBlock, std::min<std::int64_t>(samples, 2), kMostReplicates);
+  if (replicates < 2) return;
+  options.replicates = int(replicates);
+  options.end = (samples + replicates - 1) / replicates;
+}
+
 RenderState planned_state(const LoadedScene& loaded, const RenderOptions& options) {
   if (!loaded.integrator) throw Error("the scene has no integrator");
   const Scene& scene = *loaded.scene;

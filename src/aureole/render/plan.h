@@ -29,6 +29,11 @@ struct RenderOptions {
   bool keep_state = false;           ///< keep the state file of a finished job
 };
 
+/// Divides the samples of a picture that will be denoised among replicates, whose differences give the variance by which
+/// pixels without noise are kept: 4 of at least 16 samples each, or 2 or 3 where there are fewer. Replicates that the
+/// options state stay.
+void divide_for_denoising(const LoadedScene& loaded, RenderOptions& options);
+
 /// Returns the state of a picture without samples. Throws Error for: a sample range that splits blocks, a
 /// film too large for memory, too wide a filter, no integrator, adaptive sampling with an integrator that
 /// only splats.

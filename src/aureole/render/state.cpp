@@ -61,7 +61,8 @@ nlohmann::json header_of(const RenderState& s) {
           {"begin", s.begin},
           {"end", s.end},
           {"invalid_samples", s.invalid_samples},
-          {"seconds", s.seconds}};
+          {"seconds", s.seconds},
+          {"approximations", s.approximations}};
 }
 
 }  // namespace
@@ -168,6 +169,9 @@ void RenderState::merge(const RenderState& other) {
   for (std::size_t r = 0; r < splats.size(); ++r) splats[r].add(b.splats[r]);
   invalid_samples += b.invalid_samples;
   seconds += b.seconds;
+  for (std::string& text : b.approximations)
+    if (std::find(approximations.begin(), approximations.end(), text) == approximations.end())
+      approximations.push_back(std::move(text));
   if (density.empty()) density = std::move(b.density);
 }
 
@@ -271,6 +275,8 @@ RenderState RenderState::from_bytes(std::span<const char> bytes, const SourceLoc
       throw broken;
     s = RenderState(id, d, begin, end);
     s.invalid_samples = j.at("invalid_samples"), s.seconds = j.at("seconds");
+    if (j.contains("approximations"))
+      s.approximations = j.at("approximations").get<std::vector<std::string>>();
     p += header_size;
     if (density_size != 0 && density_size != s.sampled_pixels()) throw broken;
     s.density.resize(density_size);

@@ -74,6 +74,8 @@ public:
   std::vector<std::int8_t> density;
   std::uint64_t invalid_samples = 0;
   double seconds = 0;  ///< wall time spent
+  /// errors of the integrator's approximations in words (`Integrator::approximation_errors`)
+  std::vector<std::string> approximations;
 
   /// Width of the sampled area [pixels], border included.
   int sampled_width() const { return identity.width + 2 * identity.border; }

@@ -119,7 +119,10 @@ public:
     }
     for (int i = 0; i < count_; ++i) {
       Entry& e = entries_[i];
-      if (e.path >= 0) e.sample.alpha = paths_[e.path].result.alpha, e.sample.valid = valid[e.path];
+      if (e.path >= 0) {
+        e.sample.alpha = paths_[e.path].result.alpha * paths_[e.path].wavelengths.time_weight;
+        e.sample.valid = valid[e.path];
+      }
       use(std::as_const(e.sample), e.values);
     }
     count_ = path_count_ = 0;
@@ -178,6 +181,8 @@ bool UnitRenderer::measure(const Path& path, float sensor_weight, float* measure
     return false;
   scene_->film().measure(path.result.estimate * sensor_weight, path.wavelengths, measured);
   bool valid = true;
+  for (int c = scene_->film().measured_channels(); path.wavelengths.time_weight != 1 && c < channels_; ++c)
+    measured[c] *= path.wavelengths.time_weight;
   for (int c = 0; c < channels_; ++c) valid &= std::abs(measured[c]) < kFixedLimit;
   return valid;
 }

@@ -104,6 +104,20 @@ public:
     return x ^ (x >> 15);
   }
 
+  /// Random bits for a dimension of a pixel, the same for all of its samples.
+  std::uint32_t pixel_bits(int dimension) const {
+    return std::uint32_t(mix_bits(pixel_key_ + 0x9e3779b97f4a7c15u * std::uint64_t(dimension + 1)) >> 32);
+  }
+  /// A number in [0, 1) that is spread evenly over the samples of a pixel: van der Corput's sequence (1935), shifted modulo 1 by
+  /// `shift` / 2^32.
+  float spread(std::uint32_t shift) const {
+    std::uint32_t x = __builtin_bswap32(sample_);
+    x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
+    x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+    x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+    return unit_float(x + shift);
+  }
+
 private:
   /// The values of a dimension and of those after it in its block.
   const float* values_from(int dimension) {

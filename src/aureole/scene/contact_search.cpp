@@ -54,7 +54,10 @@ struct Overlap {
 class Search {
 public:
   Search(const SceneParts& parts, SceneSurfaces& surfaces)
-      : parts_(parts.surfaces), surfaces_(surfaces), wavelengths_(sensor_wavelengths(parts.context->grid)) {}
+      : parts_(parts.surfaces),
+        surfaces_(surfaces),
+        adds_media_(parts.adds_media),
+        wavelengths_(sensor_wavelengths(parts.context->grid)) {}
 
   Contacts run() {
     number_bodies();
@@ -113,8 +116,14 @@ private:
   void number_in_order();
   std::string place_of(const Surface& s) const;
 
+  /// Whether the coefficients of the media in both bodies add up where they overlap.
+  bool add_up(const Surface& a, const Surface& b) const {
+    return adds_media_ && a.inside && b.inside && a.is_null() && b.is_null();
+  }
+
   const std::vector<Primitive>& parts_;
   SceneSurfaces& surfaces_;
+  const bool adds_media_;
   const Wavelengths wavelengths_;
   Contacts found_;
   std::vector<bool> has_body_;  ///< whether each primitive bounds a body
@@ -346,7 +355,7 @@ void Search::note_within(Surface& inner, const Surface& outer) {
   const bool both_stated = inner.rank != 0 && outer.rank != 0;
   // both bodies have a rank, since they touch
   const bool both_ranked = ranked_.count(&inner) != 0 && outer.rank == 0;
-  if (both_stated || both_ranked) return;
+  if (both_stated || both_ranked || add_up(inner, outer)) return;
   const bool other_medium =
       outer.bounds_media && inner.bounds_media && !are_equal(inner.outside, outer.inside);
   Spectrum stated, within;
@@ -367,6 +376,7 @@ void Search::note_cut(const Surface& first, const Surface& second) {
       are_equal(first.inside, second.inside) && (!first.inside || first.inside->is_uniform()) &&
       (have_same_index(first, second, wavelengths_) || are_equal(first.bsdf, second.bsdf));
   if ((first.rank != 0 && second.rank != 0 && first.rank != second.rank) || same_matter) return;
+  if (add_up(first, second)) return;
   const Surface& winner = first.rank != 0 || second.rank == 0 ? first : second;
   const Surface& other = &winner == &first ? second : first;
   found_.notes.push_back(fmt::format(

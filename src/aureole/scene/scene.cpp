@@ -12,6 +12,7 @@
 #include "aureole/scene/contact_search.h"
 #include "aureole/scene/edge/outline_edges.h"
 #include "aureole/scene/edge/scene_diffraction.h"
+#include "aureole/scene/instanced_light.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
 namespace aureole {
@@ -150,7 +151,12 @@ void Scene::set_in_motion() {
 void Scene::find_changes() {
   const bool moves = sensor_.motion;
   changes_ |= moves || std::any_of(emitters_.begin(), emitters_.end(),
-                                   [](const Light& light) { return light.emitter->changes(); });
+                                   [](const Light& light) { return light.changes(); });
+  if (parts_.diffraction)
+    for (const Light& light : emitters_)
+      if (light.motion)
+        throw light.properties().error(
+            "to_world", "a light cannot move, nor be part of an instance, where edges diffract light");
   const Properties& p = sensor_.properties();
   const Exposure& exposure = sensor_.sensor->exposure();
   if (moves && parts_.diffraction)
@@ -208,10 +214,42 @@ void Scene::make_lights() {
       light.area = part.area.get(), light.surface_area = part.area->area();
       emitters_.push_back(light);
     }
-  for (const auto& emitter : parts_.emitters) emitters_.emplace_back().emitter = emitter.get();
+  for (const Primitive& part : parts_.surfaces)
+    if (part.instance && part.instance->list().shines()) make_lights_of(part);
+  const Exposure& exposure = parts_.sensor->exposure();
+  for (const auto& emitter : parts_.emitters) {
+    Light& light = emitters_.emplace_back();
+    light.emitter = emitter.get();
+    if (!emitter->motion()) continue;
+    light_motions_.push_back(std::make_unique<KeyFramedLight>(*emitter->motion()));
+    light.motion = light_motions_.back().get();
+  }
+  for (Light& light : emitters_)
+    light.first_time = float(exposure.open), light.last_time = float(exposure.close + exposure.readout);
   for (std::size_t i = 0; i < emitters_.size(); ++i) {
     emitters_[i].index = std::uint32_t(i);
     if (emitters_[i].is_infinite() && !emitters_[i].is_delta()) infinite_.push_back(&emitters_[i]);
+  }
+}
+
+void Scene::make_lights_of(const Primitive& part) {
+  const Instance& instance = *part.instance;
+  for (const float time : {float(parts_.sensor->exposure().open), float(parts_.sensor->exposure().close)}) {
+    const Transform place = instance.to_world_at(time);
+    if (place.determinant3() < 0 || !Motion(std::vector<KeyFrame>{{0, Transform()}, {1, place}}).is_rigid())
+      throw part.element->error(
+          "to_world",
+          "the group has a shape that emits: its instances may be turned and moved, but not scaled, "
+          "sheared or mirrored");
+  }
+  light_motions_.push_back(std::make_unique<InstancedLight>(instance));
+  const ShapeList& list = instance.list();
+  for (std::size_t i = 0; i < list.shapes.size(); ++i) {
+    if (!list.emitters[i]) continue;
+    Light& light = emitters_.emplace_back();
+    light.emitter = list.emitters[i].get(), light.shape = list.shapes[i].get();
+    light.area = list.areas[i].get(), light.surface_area = list.areas[i]->area();
+    light.motion = light_motions_.back().get();
   }
 }
 
@@ -224,7 +262,11 @@ void Scene::bound_emitters() {
   if (many_shapes_shine_) return;
   for (const Light& light : emitters_)
     if (light.shape) {
-      Bounds3 b = light.shape->bounds();
+      Bounds3 b = light.motion ? Bounds3() : light.shape->bounds();
+      for (std::size_t part = 0; light.motion && part < light.part_count(); ++part) {
+        const Bounds3 moved = light.emission_bounds(part).box;
+        b.extend(moved);
+      }
       // Margin by which rounding may put a hit outside of the bounds.
       const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
       b.lower = b.lower - margin, b.upper = b.upper + margin;
@@ -233,7 +275,7 @@ void Scene::bound_emitters() {
 }
 
 void Scene::make_surfaces() {
-  // Instances of a group share the group's surfaces, unless media are placed with the instance, or the shapes
+  // Instances of a group share the group's surfaces, unless a shape emits, media are placed with the instance, or the shapes
   // have priorities, for which a path must know which of the instances contain it (InteriorList).
   struct Members {
     const Primitive* instance;
@@ -250,7 +292,8 @@ void Scene::make_surfaces() {
     if (!part.instance) continue;
     const ShapeList& list = part.instance->list();
     members_of[i] = count;
-    if (part.placed_media.empty() && std::none_of(list.media.begin(), list.media.end(), has_priority)) {
+    if (part.placed_media.empty() && !list.shines() &&
+        std::none_of(list.media.begin(), list.media.end(), has_priority)) {
       const auto [known, is_new] = shared.try_emplace(&list, count);
       members_of[i] = known->second;
       if (!is_new) continue;
@@ -273,12 +316,19 @@ void Scene::make_surfaces() {
       surfaces_.all[m.begin + i] = Surface(*list.shapes[i], *list.bsdfs[i], m.instance->member_media()[i]);
   }
   const Light* light = emitters_.data();
+  // Lights of instances follow those of shapes.
+  const Light* light_of_instance =
+      light + std::count_if(parts_.surfaces.begin(), parts_.surfaces.end(),
+                            [](const Primitive& part) { return part.emitter != nullptr; });
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
     const Primitive& part = parts_.surfaces[i];
     Surface& surface = surfaces_.all[i];
     if (part.instance) {
       surface.instance = part.instance.get();
       surface.members = &surfaces_.all[members_of[i]];
+      const ShapeList& list = part.instance->list();
+      for (std::size_t k = 0; k < list.shapes.size(); ++k)
+        if (list.emitters[k]) surfaces_.all[members_of[i] + k].light = light_of_instance++;
     } else {
       surface = Surface(*part.shape, *part.bsdf, part.media);
       if (part.emitter) surface.light = light++;
@@ -349,11 +399,12 @@ void Scene::weigh_lights() {
   find_emitting_media(response, spectra);
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }) && !any_medium_emits_)
     notes_.push_back("no emitter has power where the film sees: the picture will be black");
+  choose_times(powers);
   // An emitter with sampling weight 0 is never chosen by light sampling, but BSDF sampling may hit it. Light
   // tracing has no second technique, so there such an emitter keeps its power.
   std::vector<double> emitted_powers = powers;
   for (std::size_t i = 0; i < emitters_.size(); ++i) {
-    const float weight = emitters_[i].sampling_weight();
+    const double weight = emitters_[i].sampling_weight() * mean_modulation(emitters_[i]);
     powers[i] *= weight;
     if (weight > 0 || emitters_[i].is_delta()) emitted_powers[i] *= weight;
   }
@@ -363,6 +414,44 @@ void Scene::weigh_lights() {
             choose_wavelengths(response, channel_responses(film(), grid), spectra));
       },
       [&] { lights_ = LightSampler(emitters_, powers, emitted_powers); });
+}
+
+double Scene::mean_modulation(const Light& light) const {
+  const Modulation* modulation = light.emitter->modulation();
+  if (!modulation) return 1;
+  const Exposure& exposure = sensor_.sensor->exposure();
+  const double end = exposure.close + exposure.readout;
+  // Rounding of integrals must not hide a light that emits for very short times.
+  constexpr double kLeast = 1e-4;
+  return std::max(kLeast, exposure.is_instant()
+                              ? double(modulation->at(exposure.open))
+                              : modulation->integral(exposure.open, end) / (end - exposure.open));
+}
+
+void Scene::choose_times(std::span<const double> powers) {
+  const Exposure& exposure = sensor_.sensor->exposure();
+  if (exposure.is_instant()) return;
+  double steady = 0;
+  std::vector<ModulatedPower> modulated;  // each modulation once, in the order of the lights
+  std::unordered_map<const Modulation*, std::size_t> known;
+  for (std::size_t i = 0; i < emitters_.size(); ++i) {
+    const Modulation* modulation = emitters_[i].emitter->modulation();
+    if (!modulation) {
+      steady += powers[i];
+      continue;
+    }
+    const auto [at, is_new] = known.try_emplace(modulation, modulated.size());
+    if (is_new) modulated.push_back({modulation, 0});
+    modulated[at->second].power += powers[i];
+  }
+  if (modulated.empty()) return;
+  std::stable_sort(modulated.begin(), modulated.end(),
+                   [](const ModulatedPower& a, const ModulatedPower& b) { return a.power > b.power; });
+  constexpr std::size_t kMostModulations = 64;
+  if (modulated.size() > kMostModulations) modulated.resize(kMostModulations);
+  auto times = std::make_unique<const ExposureTimes>(exposure.open, exposure.close + exposure.readout, steady,
+                                                     modulated);
+  if (times->is_uneven()) exposure_times_ = std::move(times);
 }
 
 bool Scene::may_meet_shining_shape(const Ray& ray) const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/scene/exposure_times.h"
 #include "aureole/scene/interior_list.h"
 #include "aureole/scene/light_sampler.h"
 #include "aureole/scene/ray_tracer.h"
@@ -87,6 +88,9 @@ public:
   /// Adds to `inside` the bodies with a rank that contain the origin of a ray.
   void shapes_around(const Ray& ray, InteriorList& inside) const;
 
+  /// The pdf of times where lights are modulated by much; null: times are even.
+  const ExposureTimes* exposure_times() const { return exposure_times_.get(); }
+
   const PlacedSensor& sensor() const { return sensor_; }
   const Film& film() const { return sensor_.film(); }
   const SceneParts& parts() const { return parts_; }
@@ -114,10 +118,16 @@ private:
   /// Adds a note for each camera whose clip planes hide all shapes.
   void note_clipping();
   void make_lights();
+  /// Appends the lights of an instance. Throws Error for one that is scaled or mirrored.
+  void make_lights_of(const Primitive& instance);
   void make_surfaces();
   void find_media();
   void bound_emitters();
   void weigh_lights();
+  /// Chooses the pdf of times by the powers of the lights.
+  /// The mean over the exposure of the factor by which a light is modulated, and at least a small number.
+  double mean_modulation(const Light& light) const;
+  void choose_times(std::span<const double> powers);
   DiffractionInput diffraction_input() const;
   /// Finds the emissive media and appends their power spectra to `powers`.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
@@ -133,7 +143,9 @@ private:
 
   SceneParts parts_;
   SceneSurfaces surfaces_;
-  std::vector<Light> emitters_;  ///< all emitters; emitters on shapes come first, in the order of the shapes
+  /// All emitters: those on shapes first, in the order of the shapes, then those of instances, in their order, then the others.
+  std::vector<Light> emitters_;
+  std::vector<std::unique_ptr<const LightMotion>> light_motions_;  ///< of lights that move, and of instances
   std::vector<const Light*> infinite_;
   PlacedSensor sensor_;
   LightSampler lights_;
@@ -141,6 +153,7 @@ private:
   std::shared_ptr<const SceneDiffraction> diffraction_;
   std::shared_ptr<const OutlineEdges> outline_edges_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
+  std::unique_ptr<const ExposureTimes> exposure_times_;
   std::vector<Bounds3> emitter_bounds_;  ///< bounds of the emissive shapes, if they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
   bool has_exits_ = false, has_contacts_ = false, changes_ = false;

@@ -22,6 +22,7 @@ struct SceneParts {
   std::shared_ptr<const ShapeArea> sensor_area;  ///< area of the shape that the sensor sits on, or null
   /// The wavelengths and the unit of length with which all objects were built; never null.
   std::shared_ptr<const BuildContext> context;
+  bool adds_media = false;  ///< whether the integrator adds the coefficients of media that overlap
   std::optional<DiffractionSettings> diffraction;  ///< how edges diffract light; empty: they do not
 };
 

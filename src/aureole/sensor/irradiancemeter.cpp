@@ -61,17 +61,24 @@ public:
     if (!(distance2 > 0 && dot(to, d) > 0 && response.pdf_direction > 0)) return {};
     response.film = *seen;
     response.weight = place->total();
-    response.pdf_position = 1 / (float(at.area->area()) * place->weight);
+    response.pdf_position = measured_area(at) / (float(at.area->area()) * place->weight);
     response.pdf_across = response.pdf_direction / distance2;
     return response;
   }
 
 private:
-  static std::optional<Receiver> receiver_at(const PlacedSensor& at, Vec2 u) {
+  std::optional<Receiver> receiver_at(const PlacedSensor& at, Vec2 u) const {
     const auto s = at.area->sample(u);
     if (!s) return {};
-    const float uniform = float(1 / at.area->area());
-    return Receiver{s->p, s->p_error, s->ng, Receiver::Measure::irradiance, uniform / s->pdf};
+    return Receiver{s->p, s->p_error, s->ng, Receiver::Measure::irradiance,
+                    even_weight(at, s->pdf) * measured_area(at)};
+  }
+  /// The weight for an even response over the surface, to points of that pdf.
+  static float even_weight(const PlacedSensor& at, float pdf) { return float(1 / at.area->area()) / pdf; }
+  /// Area by which the irradiance is multiplied [m^2]: that of the surface where the film measures power, else 1.
+  float measured_area(const PlacedSensor& at) const {
+    const double unit = properties().context().length_unit_m;
+    return film().measures_flux() ? float(at.area->area() * unit * unit) : 1;
   }
 };
 
@@ -80,7 +87,8 @@ AUREOLE_PLUGIN(
     PluginDoc{
         .summary =
             "Measures the irradiance [W/(m^2 nm) for a spectral film] on the shape that it is a child of, "
-            "from the side of its normal, averaged over its surface. Its film has one pixel; a "
+            "from the side of its normal, averaged over its surface; or, with a quantity of the film such as luminous_flux, the "
+            "power through it. Its film has one pixel; a "
             "reconstruction filter other than `box` would weight the surface and is replaced.",
         .source = "",
         .parameters = {},

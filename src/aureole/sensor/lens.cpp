@@ -25,6 +25,9 @@ public:
     to_camera_ = to_world_.inverse();
     diagonal_mm_ = p.get_float("film_diagonal", 43.266615305567875, {1e-3, 1e6});
     per_mm_ = 1e-3 / p.context().length_unit_m;
+    // Pixels are square; the diagonal is that of the whole film.
+    const double pixel_m = 1e-3 * diagonal_mm_ / std::hypot(double(film().width()), double(film().height()));
+    if (film().measures_flux()) pixel_area_ = pixel_m * pixel_m;
     read_lens_parameters(p);
     if (lens_) find_pupils(p);
   }
@@ -55,6 +58,7 @@ public:
     const double cos2 = cos_film * cos_film;
     double weight = pupil.area() * cos2 * cos2 / (distance * distance) * *transmittance;
     if (!measures_irradiance_) weight /= axial_angle_;
+    weight *= pixel_area_;
     const Vec3 o{float(ray.o[0] * per_mm_), float(ray.o[1] * per_mm_), float(-ray.o[2] * per_mm_)};
     const Vec3 d{float(ray.d[0]), float(ray.d[1]), float(-ray.d[2])};
     // Rays of fish-eyes may run across the axis: there the planes are at distances along the ray.
@@ -81,6 +85,10 @@ private:
   struct Pupil {
     double x0 = 0, x1 = 0, y1 = 0;
     double area() const { return (x1 - x0) * 2 * y1; }
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.x0, self.x1, self.y1);
+    }
     void extend(const Pupil& o) {
       if (!(o.area() > 0)) return;
       if (!(area() > 0)) *this = o;
@@ -88,6 +96,16 @@ private:
     }
   };
   static constexpr int kRings = 64;  ///< of the film, each with its pupil
+  struct Pupils {
+    std::vector<Pupil> rings;
+    double axial_angle = 0;
+
+    static constexpr TableKind kTable{"pupils of a lens", 1};
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.rings, self.axial_angle);
+    }
+  };
 
   void read_lens_parameters(const Properties& p) {
     prescription_ = read_lens(p.get_file("filename"));
@@ -200,6 +218,13 @@ private:
 
   void find_pupils(const Properties& p) {
     pupil_z_ = lens_->vertex(lens_->surfaces().size() - 1);
+    const auto pupils =
+        p.shared_model<Pupils>([&] { return std::make_shared<const Pupils>(make_pupils(p)); });
+    if (pupils) pupils_ = pupils->rings, axial_angle_ = pupils->axial_angle;
+  }
+  Pupils make_pupils(const Properties& p) const {
+    Pupils made;
+    std::vector<Pupil>& pupils = made.rings;
     constexpr int kAxialCells = 512;
     const double radius = 0.5 * diagonal_mm_;
     std::vector<Pupil> at_edges;
@@ -208,27 +233,27 @@ private:
     for (int i = 0; i < kRings; ++i) {
       Pupil both = at_edges[std::size_t(i)];
       both.extend(at_edges[std::size_t(i + 1)]);
-      pupils_.push_back(both);
+      pupils.push_back(both);
       dark += !(both.area() > 0);
     }
-    if (!(pupils_[0].area() > 0))
+    if (!(pupils[0].area() > 0))
       throw p.error("filename", "no light passes the lens to the middle of the film");
     if (dark > 0)
       p.note("film_diagonal", fmt::format("the lens leaves the film dark beyond {:.3g} mm from its middle",
                                           radius * double(kRings - dark) / kRings));
     // The projected solid angle of the exit pupil from the middle of the film, without losses.
-    const Pupil& axial = pupils_[0];
+    const Pupil& axial = pupils[0];
     const double dx = (axial.x1 - axial.x0) / kAxialCells, dy = 2 * axial.y1 / kAxialCells,
                  distance = lens_->film() - pupil_z_;
-    axial_angle_ = 0;
     const std::vector<double>& n = indices_at(middle_nm_);
     for (int j = 0; j < kAxialCells; ++j)
       for (int i = 0; i < kAxialCells; ++i) {
         LensRay ray = ray_to_pupil({0, 0}, {axial.x0 + dx * (i + 0.5), -axial.y1 + dy * (j + 0.5)});
         const double cos2 = ray.d[2] * ray.d[2];
         if (lens_->trace_back(ray, n, middle_nm_))
-          axial_angle_ += dx * dy * cos2 * cos2 / (distance * distance);
+          made.axial_angle += dx * dy * cos2 * cos2 / (distance * distance);
       }
+    return made;
   }
 
   const Pupil& pupil_at(double r) const {
@@ -249,6 +274,7 @@ private:
   double diagonal_mm_ = 43.27, per_mm_ = 1e-3;  ///< of the film; scene units per mm
   bool measures_irradiance_ = false;
   std::vector<Pupil> pupils_;
+  double pixel_area_ = 1;  ///< [m^2] where the film measures power, else 1
   double pupil_z_ = 0, axial_angle_ = 1;
 };
 

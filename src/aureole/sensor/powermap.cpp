@@ -31,10 +31,17 @@ public:
     per_right_ = cross(down_, normal_) * (1 / area_);
     per_down_ = cross(normal_, right_) * (1 / area_);
     if (dot(normal_, to_world.normal({0, 0, 1})) < 0) normal_ = -normal_;
+    if (measure != "irradiance") film().refuse_flux("its \"measure\" must be \"irradiance\"");
+    const double unit = p.context().length_unit_m;
+    if (film().measures_flux())
+      cell_area_ = float(double(area_) * unit * unit / (double(film().width()) * double(film().height())));
     read_cylinder(p);
   }
 
   void check_shape(const ShapeArea& area) const override {
+    film().refuse_flux(
+        "the cells of a shape differ in their areas. Measure an illuminance or irradiance there, or the power through all "
+        "of the shape by an \"irradiancemeter\"");
     if (properties().has("to_world"))
       throw properties().error(
           "to_world", "a power map on a shape measures on the surface of that: leave \"to_world\" out");
@@ -116,7 +123,7 @@ private:
   /// Returns a receiver at a point of the plane or of a shape. On a shape, the axis of a cylinder is along
   /// the normal unless one is stated.
   Receiver receiver_at(const Vec3& p, const Vec3& p_error, const Vec3& ng) const {
-    Receiver r{p, p_error, ng, measure_};
+    Receiver r{p, p_error, ng, measure_, cell_area_};
     if (measure_ == Receiver::Measure::cylindrical || measure_ == Receiver::Measure::semicylindrical) {
       r.axis = has_axis_ ? axis_ : ng;
       r.ng = measure_ == Receiver::Measure::semicylindrical ? facing_ : Frame::from_normal(r.axis).s;
@@ -153,6 +160,8 @@ private:
   Vec3 axis_, facing_;  ///< axis of a cylinder, and the direction that a semicylinder faces
   bool has_axis_ = false;
   float area_;
+  float cell_area_ =
+      1;  ///< area by which the irradiance is multiplied [m^2]; 1 unless the film measures power
 };
 
 AUREOLE_PLUGIN(

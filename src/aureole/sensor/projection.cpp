@@ -62,6 +62,7 @@ Transform rigid_transform(const Properties& p, const Transform& to_world) {
 LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p), field_of_view_(p) {
   const bool irradiance = p.get_choice("measure", "radiance", {"radiance", "irradiance"}) == "irradiance";
   read_common(p, Measures::picture, irradiance ? MeasuredKind::irradiance : MeasuredKind::radiance);
+  film().refuse_flux("the pixels of an ideal camera have no size; those of the sensor \"lens\" have one");
   const bool thin = p.get_choice("aperture", "sine", {"sine", "thin"}) == "thin";
   const double f_number = p.get_float("f_number", 2.8, {1e-3, 1e6});
   if (irradiance) {

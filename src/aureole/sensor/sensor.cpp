@@ -43,8 +43,8 @@ Exposure read_exposure(const Properties& p) {
 
 }  // namespace
 
-float Exposure::time(float u, int x, int y, int width, int height) const {
-  double t = open + double(u) * duration();
+double Exposure::begin(int x, int y, int width, int height) const {
+  double t = open;
   if (readout > 0) {
     const bool columns = direction == Readout::right || direction == Readout::left;
     const int line = columns ? x : y, last = std::max(1, (columns ? width : height) - 1);
@@ -52,7 +52,7 @@ float Exposure::time(float u, int x, int y, int width, int height) const {
     const double fraction = std::clamp(double(line) / last, 0.0, 1.0);
     t += readout * (backwards ? 1 - fraction : fraction);
   }
-  return float(t);
+  return t;
 }
 
 FilmPart FilmPart::of(const Film& film, int index, int count) {
@@ -95,17 +95,8 @@ void Sensor::read_common(const Properties& p, Measures measures, std::optional<M
 Transform Sensor::read_motion(const Properties& p) {
   motion_ = p.get_motion("to_world");
   if (!motion_.is_moving()) return motion_.first();
-  // Lengths and angles of all key frames agree: a sensor may be scaled as a whole, but does not grow.
-  const Transform back = motion_.first().inverse();
-  for (const KeyFrame& frame : motion_.frames()) {
-    const Transform::Matrix m = (frame.transform * back).matrix();
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k <= i; ++k) {
-        const double product = m[0][i] * m[0][k] + m[1][i] * m[1][k] + m[2][i] * m[2][k];
-        if (std::abs(product - (i == k ? 1 : 0)) > 1e-3)
-          throw p.error("to_world", "a sensor must not be scaled or sheared while it moves");
-      }
-  }
+  // A sensor may be scaled as a whole, but does not grow.
+  if (!motion_.is_rigid()) throw p.error("to_world", "a sensor must not be scaled or sheared while it moves");
   return motion_.first();
 }
 

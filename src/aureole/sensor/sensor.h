@@ -29,8 +29,12 @@ struct Exposure {
 
   double duration() const { return close - open; }
   bool is_instant() const { return close == open; }
+  /// When the exposure of a pixel of a film of that size begins [s].
+  double begin(int x, int y, int width, int height) const;
   /// The time at the fraction `u` of the exposure of a pixel of a film of that size.
-  float time(float u, int x, int y, int width, int height) const;
+  float time(float u, int x, int y, int width, int height) const {
+    return float(begin(x, y, width, height) + double(u) * duration());
+  }
 };
 
 struct SensorRay {

@@ -63,6 +63,8 @@ public:
   /// moves those at its first key frame.
   Transform to_world() const { return affine(maps_.to_world); }
   Transform to_group() const { return affine(maps_.to_group); }
+  /// Returns the transform of points at a time [s].
+  Transform to_world_at(float time) const { return affine(path_ ? maps_at(time).to_world : maps_.to_world); }
   SurfaceDerivatives to_world(const SurfaceDerivatives& d, float time) const;
   Bounds3 bounds() const;
   /// Returns the magnitude of origins and directions of rays up to which their transformed coordinates are at

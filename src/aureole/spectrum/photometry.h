@@ -16,6 +16,11 @@ inline constexpr double kPlanckTimesLight = 6.62607015e-34 * 299792458, kAvogadr
 /// lm: 683.002 V (CIE 1924, the y-bar of the CIE 1931 observer), and 1700 V' (CIE 1951).
 SampledSpectrum photopic_efficacy(const SpectralGrid& grid);
 SampledSpectrum scotopic_efficacy(const SpectralGrid& grid);
+/// As `photopic_efficacy`, with V_M of Judd and Vos (CIE 86-1990), which corrects V at short wavelengths.
+SampledSpectrum modified_photopic_efficacy(const SpectralGrid& grid);
+/// The efficacy of mesopic vision whose adaptation has the coefficient m of CIE 191:2010, m = 1 photopic and m = 0 scotopic:
+/// (m K + (1 - m) V'(555 nm) K')/(m + (1 - m) V'(555 nm)) by the efficacies K and K' of both, V'(555 nm) = 683/1699.
+SampledSpectrum mesopic_efficacy(const SpectralGrid& grid, double m);
 
 /// Returns the micromoles of photons for each joule, lambda / (h c N_A) [umol/J], on a grid.
 SampledSpectrum photons_per_joule(const SpectralGrid& grid);

@@ -32,6 +32,10 @@ struct SpectralGrid {
   double step() const { return (max_nm - min_nm) / cells; }
   double node(int i) const { return min_nm + step() * i; }
   bool operator==(const SpectralGrid&) const = default;
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.min_nm, self.max_nm, self.cells);
+  }
 };
 
 /// An interval of wavelengths, initially empty.
@@ -54,6 +58,9 @@ struct Wavelengths {
   SpectrumMask cell{};  ///< index of the grid cell that contains each wavelength
   Spectrum fraction;    ///< position within the cell, in [0, 1]
   float time = 0;       ///< [s], sampled during the exposure where the scene changes; else 0
+  /// Even pdf of times over the one of this time, for numbers that no `pdf` divides. `pdf` is that of wavelength and time,
+  /// relative to even times.
+  float time_weight = 1;
 
   /// Wavelengths given directly (tests, instruments); pdf is set to `pdf_per_nm`.
   static Wavelengths at(const SpectralGrid& grid, const Spectrum& nm, float pdf_per_nm = 1);
@@ -125,6 +132,12 @@ public:
   std::span<const float> nodes() const { return table_; }
   const SpectralGrid& grid() const { return grid_; }
   void scale(float s);
+
+  /// For tables that are kept (core/table_fields.h), as are the functions of this name in other classes.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.grid_, self.table_);
+  }
 
 private:
   SpectralGrid grid_;

@@ -31,6 +31,8 @@ struct TestSegment : Segment {
   bool through_emitters;  ///< surfaces of lights do not occlude it
   /// the march continues behind the occluder, to find `clear_passage`; `passage` is 0 then
   bool goes_behind;
+  /// rays of the other techniques go on behind obstacles near edges that diffract light (`probability_behind`)
+  bool others_go_behind;
   int crossings_left = kUnlimitedCrossings;  ///< crossings of surfaces that count for the limit of segments
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;
@@ -157,7 +159,7 @@ inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const
   d = direction;
   offset = distance_from_surface(ray.o - from.p, direction);
   end_offset = distance_from_surface(target - to.p, direction);
-  infinite = through_emitters = goes_behind = false;
+  infinite = through_emitters = goes_behind = others_go_behind = false;
   crossings_left = kUnlimitedCrossings;
 }
 
@@ -170,7 +172,7 @@ inline void TestSegment::set(const Ray& r) {
   ray = r;
   origin = r.o, d = r.d;
   offset = end_offset = 0;
-  infinite = true, through_emitters = goes_behind = false;
+  infinite = true, through_emitters = goes_behind = others_go_behind = false;
   crossings_left = kUnlimitedCrossings;
 }
 

@@ -24,7 +24,7 @@ inline Vec2 get(SampleStream& samples, int vertex, Pair which) {
 }
 /// Version of the assignment of random numbers: pictures of another version have other noise, and their
 /// states are not resumed or merged (render/state.h).
-inline constexpr int kRandomVersion = 2;
+inline constexpr int kRandomVersion = 3;
 
 /// Keyed streams, for decisions that need an unknown number of random numbers. Each belongs to a vertex.
 enum class Stream {

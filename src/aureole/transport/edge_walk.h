@@ -54,13 +54,7 @@ public:
     if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
     if (scene_.outline_edges()) {
-      // Whether the segment is evaluated in reverse: light from infinity is evaluated from the point at which
-      // it arrives.
-      const bool is_reversed = s.diffraction.begins_at_infinity;
-      const Vec3 &o = s.segment.origin, &d = s.segment.ray.d;
-      s.density.attenuate(segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
-                                              is_reversed ? kInfinity : length, !s.diffraction.is_behind,
-                                              walk.wavelengths(i)));
+      s.density.attenuate(factor(walk, i, length));
       s.diffraction.is_behind = s.diffraction.begins_at_infinity = false;
       return;
     }
@@ -69,24 +63,45 @@ public:
                                       key(walk.samples(i), s.vertex, Stream::distance)));
   }
 
-  /// Whether the ray of a light path continues behind the obstacle that it has hit, into the shadow. It does
-  /// so with a fixed probability where edges are near the ray. No other technique samples such paths, so that
-  /// the choice is in no MIS weight.
+  /// The probability with which the present ray continues behind the obstacle that it has hit, into the shadow:
+  /// above 0 where edges are near the ray.
   template <class W>
-  bool goes_behind(W& walk, int i) const {
-    if constexpr (!W::kDiffracts || W::kFromSensor) {
-      return false;
+  float probability_behind(W& walk, int i) const {
+    // Paths of `bdpt` end at obstacles: the MIS weights of their techniques would need the choice in both directions.
+    constexpr bool kTwoWay = requires(typename W::Density density) { density.earlier; };
+    if constexpr (!W::kDiffracts || kTwoWay) {
+      return 0;
     } else {
-      constexpr float kBehind = 0.5f;
+      if (!scene_.outline_edges()) return 0;
       auto& s = walk.state(i);
-      if (!scene_.outline_edges() || !passes_edges(scene_, s.segment.origin, s.segment.ray.d,
-                                                   s.diffraction.begins_at_infinity, walk.wavelengths(i)))
-        return false;
-      const bool goes_on = KeyedRandom(walk_key(walk, i)).next() < kBehind;
-      s.density.survive(goes_on ? kBehind : 1 - kBehind);
-      if (goes_on) s.diffraction.is_behind = true;
-      return goes_on;
+      return aureole::probability_behind(scene_, s.segment.origin, s.segment.ray.d,
+                                         s.diffraction.begins_at_infinity, walk.wavelengths(i));
     }
+  }
+  /// Whether it continues, which it does with that probability. Connections find light behind obstacles without this
+  /// choice, so that it counts in the MIS weights of the light that the ray hits there.
+  template <class W>
+  bool goes_behind(W& walk, int i, float probability) const {
+    if (!(probability > 0)) return false;
+    auto& s = walk.state(i);
+    const bool goes_on = KeyedRandom(walk_key(walk, i)).next() < probability;
+    s.density.survive(goes_on ? probability : 1 - probability);
+    if (goes_on) {
+      s.density.r_l *= 1 / probability;
+      s.diffraction.is_behind = true;
+    }
+    return goes_on;
+  }
+  /// The diffraction factor of the present ray up to a distance, in scenes with the model "segments".
+  template <class W>
+  Spectrum factor(W& walk, int i, float length) const {
+    const auto& s = walk.state(i);
+    // A segment of light from infinity is evaluated in reverse, from the point at which it arrives.
+    const bool is_reversed = s.diffraction.begins_at_infinity;
+    const Vec3 &o = s.segment.origin, &d = s.segment.ray.d;
+    return segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
+                               is_reversed ? kInfinity : length, !s.diffraction.is_behind,
+                               walk.wavelengths(i));
   }
 
   /// Updates the path at a vertex at `p`. Returns false where the path ends, because `p` lies within the beam

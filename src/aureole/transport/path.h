@@ -10,6 +10,8 @@
 
 namespace aureole {
 
+struct Receiver;
+
 struct RadianceEstimate {
   Spectrum estimate{0.f};  ///< L_i / (N p_lambda(lambda_i)), as Film::measure takes it
   float alpha = 0;
@@ -24,6 +26,9 @@ struct Path {
   Wavelengths wavelengths;
   /// random numbers of the sample; its dimensions count from the first one after those of the sensor
   SampleStream samples;
+  /// The receiver that `ray` leaves, where `Integrator::estimate` samples the lights at it: emission that the ray
+  /// finds is weighted against that. Null: nothing samples lights at the ray's origin.
+  const Receiver* receiver = nullptr;
   float* aovs = nullptr;    ///< receives one number per name of `Integrator::aov_names`
   RadianceEstimate result;  ///< estimate of the radiance along `ray`, set by `Integrator::trace`
 };

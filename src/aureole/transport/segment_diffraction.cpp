@@ -6,8 +6,10 @@
 #include <cmath>
 #include <complex>
 #include <deque>
+#include <numbers>
 #include <vector>
 
+#include "aureole/optics/diffraction/uniform_theory.h"
 #include "aureole/scene/edge/edge_screens.h"
 #include "aureole/transport/edge_rows.h"
 
@@ -55,7 +57,6 @@ public:
     // All wavelengths of a path share one field where they differ by less than this fraction of its phase.
     constexpr double kAlike = 1e-5;
     if (longest_ - shortest < kAlike * longest_) count_ = 1;
-    field_.fill(is_open ? 1.0 : 0.0);
   }
   /// Returns |u/u0|^2 at each wavelength.
   Spectrum factor() {
@@ -80,12 +81,21 @@ public:
     std::array<Row, kMaxRows> rows;
     std::size_t row_count = 0;
     if (parts.size() > 1 && !screens.is_one_sheet()) row_count = find_rows(parts, row_parts, rows);
-    for (const EdgePart& part : parts) subtract(part);
-    for (std::size_t i = 0; i < row_count; ++i) add(rows[i], row_parts);
-    if (!any_) return is_open_ ? 1.f : 0.f;
-    Spectrum result;
-    for (std::size_t i = 0; i < field_.size(); ++i)
-      result[int(i)] = float(std::norm(field_[count_ == 1 ? 0 : i]));
+    // The waves of soft and of hard polarisation, or one wave for both.
+    using Polarisation = DiffractionSettings::Polarisation;
+    const Polarisation polarisation = scene_.parts().diffraction->polarisation;
+    const bool has_both = polarisation == Polarisation::both;
+    Spectrum result = 0.f;
+    for (int k = 0; k < (has_both ? 2 : 1); ++k) {
+      is_wedge_ = polarisation != Polarisation::none;
+      is_hard_ = has_both ? k == 1 : polarisation == Polarisation::hard;
+      field_.fill(is_open_ ? 1.0 : 0.0);
+      for (const EdgePart& part : parts) subtract(part);
+      for (std::size_t i = 0; i < row_count; ++i) add(rows[i], row_parts);
+      if (!any_) return is_open_ ? 1.f : 0.f;
+      for (std::size_t i = 0; i < field_.size(); ++i)
+        result[int(i)] += float(std::norm(field_[count_ == 1 ? 0 : i])) * (has_both ? 0.5f : 1.f);
+    }
     return result;
   }
 
@@ -230,7 +240,7 @@ private:
   /// Subtracts the wave of a part of an edge.
   void subtract(const EdgePart& part) {
     const bool is_open = part.side.takes_open(is_open_);
-    if (screens_->is_one_sheet()) {
+    if (screens_->is_one_sheet() && !is_wedge_) {
       if (!part.is_seen()) return;
       any_ = true;
       edges_.subtract(part.passage, segment_, is_open, wavelengths_.data(), count_, field_.data());
@@ -239,9 +249,12 @@ private:
     Field weight;
     weight.fill(1 - part.in_rows);
     bool turns = part.is_outline;
-    if (part.in_rows == 1 || !pass_screen(part, true, weight, turns) ||
-        !pass_screen(part, false, weight, turns) || !turns)
-      weight.fill(0);
+    const bool arrives = screens_->is_one_sheet()
+                             ? part.is_seen()
+                             : part.in_rows < 1 && pass_screen(part, true, weight, turns) &&
+                                   pass_screen(part, false, weight, turns) && turns;
+    if (!arrives) weight.fill(0);
+    if (is_wedge_ && part.is_seen()) make_wedge(part, weight);
     if (part.is_seen())
       for (auto& x : weight) x += part.in_rows;
     if (std::all_of(weight.begin(), weight.begin() + count_, [](const auto& x) { return x == 0.0; })) return;
@@ -249,6 +262,17 @@ private:
     Field wave{};
     edges_.subtract(part.passage, segment_, is_open, wavelengths_.data(), count_, wave.data());
     for (std::size_t i = 0; i < std::size_t(count_); ++i) field_[i] += weight[i] * wave[i];
+  }
+
+  /// Multiplies `weight` by the wave of a part's wedge over that of a half plane that absorbs.
+  void make_wedge(const EdgePart& part, Field& weight) const {
+    EdgeWedge wedge;
+    if (!edges_.find_wedge(part.passage, segment_, wedge)) return;
+    const double sign = is_hard_ ? 1 : -1;
+    const optics::WedgeFaces faces{wedge.reflects_o ? sign : 0.0, wedge.reflects_n ? sign : 0.0};
+    for (std::size_t i = 0; i < std::size_t(count_); ++i)
+      weight[i] *= optics::Wedge(wedge.n).over_half_plane(
+          2 * std::numbers::pi / wavelengths_[i] * wedge.distance, wedge.phi, wedge.phi_i, faces);
   }
 
   void add(const Row& row, const RowParts& parts) {
@@ -276,10 +300,32 @@ private:
   int count_ = kWavelengths;
   Field field_;
   bool any_ = false;
+  bool is_wedge_ = false, is_hard_ = false;  ///< whether edges act as wedges, and in which polarisation
   const EdgeScreens* screens_ = nullptr;
   std::vector<double> cuts_;
   std::deque<MeshEdge> rims_;  ///< outlines of spheres
 };
+
+/// The probability with which a ray goes on behind all of the obstacles between `begin`, next to `origin`, and `end`: a
+/// point, or infinity.
+float probability_behind_all(const Scene& scene, const Vec3& begin, const Vec3& origin, const Vec3& d,
+                             const Vec3& end, bool infinite, const Wavelengths& w) {
+  const float once = probability_behind(scene, origin, d, false, w);
+  float all = 1;
+  constexpr float kLittle = 1e-6f;
+  Ray ray{begin, infinite ? d : end - begin, infinite ? kInfinity : 1.f};
+  ray.time = w.time;
+  while (all * once > kLittle) {
+    const RayTracer::Hit hit = scene.tracer().intersect(ray);
+    if (!hit || hit.is_lost()) return all;
+    const SurfacePoint point = scene.surface_point(hit, ray);
+    if (!point.surface->passable) all *= once;
+    ray.o = offset_origin(point, d);
+    if (!infinite) ray.d = end - ray.o;
+    if (!(dot(ray.d, d) > 0)) return all;
+  }
+  return 0;
+}
 
 }  // namespace
 
@@ -291,10 +337,10 @@ Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3&
   return SegmentField(scene, segment, begin, end, is_open, w).factor();
 }
 
-bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
-                  const Wavelengths& w) {
+float probability_behind(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
+                         const Wavelengths& w) {
   // Upper bound of |v|: less than 1e-3 of the light is diffracted farther into a shadow than 20.
-  constexpr double kMost = 20;
+  constexpr double kMost = 20, kHalf = 4;
   const OutlineEdges& edges = *scene.outline_edges();
   EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
   if (from_infinity) {
@@ -302,7 +348,14 @@ bool passes_edges(const Scene& scene, const Vec3& origin, const Vec3& d, bool fr
     ray.from = ray.from + ray.d * (2.0 * double(length(scene.tracer().bounds().diagonal())));
     ray.d = -ray.d;
   }
-  return edges.passes_within(kMost, ray, edges.wavelength(max_component(w.nm)));
+  const double v =
+      edges.smallest_parameter(kMost, ray, edges.wavelength(max_component(w.nm)), [&](const Double3& beside) {
+        const Vec3 p = beside.to_float();
+        return is_free(scene, p, from_infinity ? ray.d.to_float() : origin + d * (1e-5f * length(p - origin)),
+                       from_infinity, w);
+      });
+  // The power in the shadow falls with v^-2. A power map shows it in dB, so that the probability falls with v^-1.
+  return v <= kMost ? float(0.5 / (1 + v / kHalf)) : 0.f;
 }
 
 bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const Wavelengths& w) {
@@ -325,7 +378,10 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
   }
   // A connection that has crossed too many surfaces carries no light.
   if ((!is_open && is_black(u2)) || c.crossings_left < 0) return false;
-  c.passage = passed + c.clear_passage * u2 * (sum(c.own + c.other) / sum(c.own));
+  const float share = c.others_go_behind && max_component(c.other) > 0
+                          ? probability_behind_all(scene, begin, c.origin, c.d, end, c.infinite, w)
+                          : 0.f;
+  c.passage = passed + c.clear_passage * u2 * (sum(c.own + c.other) / sum(c.own + c.other * share));
   return true;
 }
 

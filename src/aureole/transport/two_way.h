@@ -78,10 +78,10 @@ private:
 };
 
 /// Pdf with which light paths start with the ray of direction `d` from `point` or, that being null, from an
-/// emitter without a shape: per area and per solid angle, or masses.
+/// emitter without a shape: per area and per solid angle, or masses. `time` [s] is that of the path.
 inline float emission_density(const Scene& scene, const Light& light, std::size_t part,
-                              const SurfacePoint* point, const Vec3& d) {
-  const RayDensity ray = light.pdf_ray(part, point, d);
+                              const SurfacePoint* point, const Vec3& d, float time) {
+  const RayDensity ray = light.pdf_ray(part, point, d, time);
   return scene.lights().probability_by_power(light, part) * ray.position * ray.direction;
 }
 
@@ -96,7 +96,7 @@ struct Emission {
     const Light& light = *choice.light;
     if (light.is_delta()) return scene.lights().probability(from.p, from.facing, light, choice.part);
     SurfacePoint point;
-    point.p = ray.p, point.ng = ray.ng;
+    point.p = ray.p, point.ng = ray.ng, point.time = ray.time;
     return light_density(scene, from, light, choice.part, light.shape ? &point : nullptr, -ray.d);
   }
 };

@@ -192,6 +192,12 @@ protected:
     State& s = states_[i];
     s.segment.ray = paths_[size_t(i)].ray;
     s.vertex = -1;
+    if (const Receiver* receiver = paths_[size_t(i)].receiver) {
+      // Light sampling has sampled the light that the ray may hit, as at a vertex.
+      const float pdf = receiver->pdf(s.segment.ray.d);
+      if (pdf > 0) s.density.r_l = 1 / pdf;
+      s.from = {receiver->p, receiver->facing()};
+    }
     if constexpr (kAny) {
       s.segment.begin();
       find_interiors(scene_, nullptr, s.segment);
@@ -277,14 +283,27 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
     go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
   }
-  if constexpr (kAny)
-    if (!vertex.is_passable() && edges_.goes_behind(self(), i)) {
-      ++s.vertex;  // the ray behind has random numbers of its own
-      go_on(i, vertex, s.segment.ray.d, false);
-      return Event::crossed;
-    }
   // A light that `hide_emitters` makes invisible lies within the segment, as an inactive surface does.
   const bool is_hidden = kFromSensor && limits_.hide_emitters && s.depth == 0 && vertex.light();
+  bool is_emission_counted = false;
+  if constexpr (kAny)
+    if (!vertex.is_passable() && !is_hidden) {
+      const float behind = edges_.probability_behind(self(), i);
+      if constexpr (kFromSensor)
+        if (const Light* light = vertex.light(); light && behind > 0) {
+          // The emission of a light counts whether or not the ray goes on behind it.
+          is_emission_counted = true;
+          self().emission(i, *light, &vertex.point(),
+                          light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths) *
+                              edges_.factor(self(), i, s.segment.behind));
+        }
+      if (edges_.goes_behind(self(), i, behind)) {
+        if (kFromSensor && s.depth == 0) path.result.alpha = 1;
+        ++s.vertex;  // the ray behind has random numbers of its own
+        go_on(i, vertex, s.segment.ray.d, false);
+        return Event::crossed;
+      }
+    }
   if constexpr (kAny)
     if (!is_hidden && ends_segment(vertex)) edges_.attenuate(self(), i, s.segment.behind);
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::surface, vertex.p(), &vertex.point());
@@ -295,8 +314,9 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
         go_on(i, vertex, s.segment.ray.d, false);
         return Event::crossed;
       }
-      self().emission(i, *light, &vertex.point(),
-                      light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
+      if (!is_emission_counted)
+        self().emission(i, *light, &vertex.point(),
+                        light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
     }
     s.last = !reaches(i, 2);
     if (s.last && (!vertex.surface().passable || limits_.counts(vertex.surface()))) {
@@ -360,10 +380,15 @@ template <class Self, class Kind>
 Event Walk<Self, Kind>::escape(int i) {
   State& s = states_[i];
   Path& path = paths_[size_t(i)];
-  if constexpr (kAny) edges_.attenuate(self(), i, kInfinity);
+  bool is_behind = false;
+  if constexpr (kAny) {
+    is_behind = s.diffraction.is_behind;
+    edges_.attenuate(self(), i, kInfinity);
+  }
   if (log_.follows(i)) log_({.kind = PathEvent::Kind::escape, .depth = s.depth, .d = s.segment.ray.d});
   if (s.depth == 0) {
-    path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
+    if (!is_behind)
+      path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
     if (limits_.hide_emitters) return Event::escape;
   }
   if constexpr (kFromSensor)

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "aureole/parameter/vdb/vdb_file.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/value_limit.h"
 #include "aureole/volume/grid/voxel_volume.h"
-#include "aureole/volume/vdb/vdb_file.h"
 
 namespace aureole {
 namespace {

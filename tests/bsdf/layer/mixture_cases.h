@@ -77,7 +77,8 @@ struct MixtureCase {
   std::shared_ptr<ScattererModel> model(
       double least, double most,
       const std::string& correlation = R"(<correlation type="percus_yevick"/>)") const {
-    return std::make_shared<ScattererModel>(mixture(), *build<Correlation>(correlation), least, most, extent);
+    return std::make_shared<ScattererModel>(*mixture(), *build<Correlation>(correlation), least, most,
+                                            extent);
   }
   /// U + C S'.
   double intensity(double x, double y, double fa) const {

@@ -232,7 +232,7 @@ TEST(ScattererModel, EnergyOfEveryAperture) {
         1e-6);
     std::printf("%-18s covers %.3f of its discs, fill %.3f: own total against Fr fill - Fr^2", c.name,
                 c.area / kPi, c.squared_area / c.area);
-    const ScattererModel model(mixture, *fluid, 0.1, 0.65, 240);
+    const ScattererModel model(*mixture, *fluid, 0.1, 0.65, 240);
     for (const double fa : {0.1, 0.3, 0.5, 0.6, 0.65}) {
       const auto state = model.at(float(fa));
       const double fr = fa * c.area / kPi, expected = fr * c.squared_area / c.area - fr * fr;
@@ -277,7 +277,7 @@ TEST(ScattererModel, EnergyOfEveryCorrelation) {
         std::vector<optics::Scatterer>{{a->shape(), 1, a->rotation(), a->is_randomly_rotated(), a->sizes()}},
         1e-6);
     const double fr = kFraction * mixture->covered_per_fraction(), area = fr / kFraction * kPi;
-    const ScattererModel model(mixture, *testing::build<Correlation>(c.correlation), kFraction, kFraction,
+    const ScattererModel model(*mixture, *testing::build<Correlation>(c.correlation), kFraction, kFraction,
                                60);
     const double total = kFraction / kPi / (2 * kPi) / double(model.at(float(kFraction)).inverse_total);
     const bool overlap = std::string(c.name).find("Poisson") != std::string::npos;
@@ -464,7 +464,7 @@ TEST(ScattererModel, TurnedShapesKeepTheirUncorrelatedLight) {
       R"(<aperture type="ngon"><integer name="sides" value="8"/><string name="radius" value="1um"/><boolean name="random_rotation" value="true"/></aperture>)");
   const auto mixture = std::make_shared<optics::ScattererMixture>(
       std::vector<optics::Scatterer>{{a->shape(), 1, 0, true, {}}}, 1e-6);
-  const ScattererModel model(mixture, *testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)"),
+  const ScattererModel model(*mixture, *testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)"),
                              0.5, 0.5, 100);
   const auto state = model.at(0.5f);
   double share = 0;

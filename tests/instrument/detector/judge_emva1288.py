@@ -36,6 +36,7 @@ def main():
     aureole = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as made:
         folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else made)
+        folder.mkdir(parents=True, exist_ok=True)
         (folder / "flat.xml").write_text(SCENE)
 
         def run(*arguments):

@@ -10,6 +10,8 @@
 #include "aureole/bsdf/measured/scattered_table.h"
 #include "aureole/core/error.h"
 #include "aureole/instrument/laboratory/brdf_fit.h"
+#include "aureole/instrument/laboratory/lateral_spread.h"
+#include "aureole/math/vec.h"
 #include "harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -87,6 +89,132 @@ TEST(Goniometer, ReflectancesOfASmoothSurfaceAreFresnels) {
   EXPECT_NEAR(r.angles[0].dh.value, 0.04, 4.5 * r.angles[0].dh.error);
   EXPECT_TRUE(r.is_isotropic);
   EXPECT_NE(report_text(r).find("no more light is scattered than arrives"), std::string::npos);
+}
+
+// Equation 30 of a smooth surface: light of a stated radiance is reflected by the mean of Fresnel's reflectance that this light weighs.
+TEST(Goniometer, ReflectanceOfStatedLightIsFresnelsWeightedMean) {
+  const Specimen glass = black_glass(1.5);
+  const auto fresnel = [](double cosine) {
+    const double t = std::sqrt(1 - (1 - cosine * cosine) / 2.25);
+    const double s = (cosine - 1.5 * t) / (cosine + 1.5 * t), p = (t - 1.5 * cosine) / (t + 1.5 * cosine);
+    return 0.5 * (s * s + p * p);
+  };
+  // Radiance 1 at the zenith that falls linearly to 0 at 60 degrees, and light from the horizon alone.
+  const std::vector<std::pair<std::string, std::function<double(double)>>> lights{
+      {"0:1, 60:0, 90:0", [](double a) { return std::max(0.0, 1 - a / 60); }},
+      {"0:0,50:0,90:2", [](double a) { return std::max(0.0, (a - 50) / 20); }},
+      {"0:1,90:1", [](double) { return 1.0; }}};
+  for (const auto& [text, radiance] : lights) {
+    double reflected = 0, arriving = 0;
+    for (int k = 0; k < 90000; ++k) {
+      const double angle = (k + 0.5) * 1e-3 * M_PI / 180;
+      const double flux = radiance((k + 0.5) * 1e-3) * std::cos(angle) * std::sin(angle);
+      reflected += fresnel(std::cos(angle)) * flux, arriving += flux;
+    }
+    const ReflectanceReport r = report_reflectances(bench_of(1 << 15), glass, {}, {text, {}});
+    const double expected = reflected / arriving;
+    EXPECT_NEAR(r.of_light->value, expected, 4.5 * r.of_light->error + 4e-3 * expected) << text;
+    EXPECT_LT(r.of_light->error, 0.02 * expected) << text;
+  }
+  EXPECT_NE(message_of([&] {
+              report_reflectances(bench_of(64), glass, {}, {"0:1,95:2", {}});
+            }).find("0 to 90 degrees"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] {
+              report_reflectances(bench_of(64), glass, {}, {"0:1,30", {}});
+            }).find("are expected"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] {
+              report_reflectances(bench_of(64), glass, {}, {"no_map.exr", {}});
+            }).find("no_map.exr"),
+            std::string::npos);
+}
+
+TEST(Goniometer, ReflectanceFromConeToCone) {
+  GoniometerSettings s;
+  s.viewed_m = 0.2e-3, s.lit_m = 2e-3;
+  // A perfect diffuser of 0.5 sends sin^2(half) cos(theta) of its light into a cone.
+  const ReflectanceReport even = report_reflectances(bench_of(1 << 13), lambertian_standard(0.5), s,
+                                                     {"", {{30, 5, 40, 8}, {0, 10, 60, 15}}});
+  ASSERT_EQ(even.cones.size(), 2u);
+  const double expected[2] = {std::pow(std::sin(8 * kDegree), 2) * std::cos(40 * kDegree),
+                              std::pow(std::sin(15 * kDegree), 2) * std::cos(60 * kDegree)};
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NEAR(even.cones[std::size_t(k)].reflectance.value, 0.5 * expected[k], 4e-3 * expected[k]) << k;
+    EXPECT_NEAR(even.cones[std::size_t(k)].factor, 0.5, 3e-3) << k;
+  }
+  // All of a mirror's light is within a cone that is wider than the incident one; nothing is in another cone.
+  Specimen mirror{
+      .name = "mirror",
+      .element =
+          "<bsdf type=\"roughconductor\"><string name=\"material\" value=\"none\"/><float name=\"alpha\" "
+          "value=\"0.0005\"/></bsdf>"};
+  const ReflectanceReport narrow =
+      report_reflectances(bench_of(1 << 14), mirror, s, {"", {{45, 2, 45, 4}, {45, 2, 30, 4}}});
+  EXPECT_NEAR(narrow.cones[0].reflectance.value, 1, 0.02);
+  EXPECT_NEAR(narrow.cones[1].reflectance.value, 0, 1e-3);
+  EXPECT_NE(message_of([&] {
+              report_reflectances(bench_of(64), mirror, s, {"", {{80, 10, 0, 5}}});
+            }).find("--cones"),
+            std::string::npos);
+}
+
+// With wrong angles readings are off as the uncertainties say, on the slopes of a lobe and at its peak.
+TEST(Goniometer, UncertaintiesHoldTheErrorOfTheAngles) {
+  const Specimen metal = material(
+      R"(<bsdf type="roughconductor"><string name="material" value="none"/><float name="alpha" value="0.15"/></bsdf>)");
+  GoniometerSettings s;
+  const GonioPlan plan = plan_of(GonioPlan::Kind::in_plane, {30}, 35);
+  const GonioTable exact = measure_scattering(bench_of(1 << 12), metal, s, plan);
+  s.angle_error = 0.4;
+  double z2 = 0, weight = 0;
+  constexpr int kSeeds = 12;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const GonioTable t = measure_scattering(bench_of(1 << 10, 8, std::uint64_t(seed)), metal, s, plan);
+    for (std::size_t k = 0; k < t.readings.size(); ++k) {
+      if (exact.readings[k].f[0] < 0.02) continue;
+      const double z = (t.readings[k].f[0] - exact.readings[k].f[0]) /
+                       std::hypot(t.readings[k].error[0], exact.readings[k].error[0]);
+      z2 += z * z, weight += 1;
+    }
+  }
+  EXPECT_GT(weight, 100);
+  // All detectors of a run share the lamp's error, so that some 12 of these differences are independent.
+  EXPECT_GT(z2 / weight, 0.4);
+  EXPECT_LT(z2 / weight, 2.2);
+}
+
+// Spread of a slab: what leaves everywhere adds up to its reflectance, and far from the spot diffusion holds.
+TEST(LateralSpread, PointAndLineSpreadOfASlab) {
+  Specimen slab{.name = "slab", .thickness_m = 20e-3};
+  slab.bsdf = build<Bsdf>(R"(<bsdf type="null"/>)");
+  slab.medium = build<Medium>(
+      R"(<medium type="homogeneous"><float name="sigma_t" value="1000"/><float name="albedo" value="0.99"/></medium>)");
+  SpreadSettings s;
+  s.sample_m = 100e-3, s.lit_m = 0.5e-3, s.receiver_m = 1e-3;
+  s.at_m = {2e-3, 4e-3, 8e-3};
+  for (const bool is_line : {false, true}) {
+    s.is_line = is_line;
+    const SpreadTable t = measure_spread(bench_of(1 << 14, 16), slab, s);
+    ASSERT_EQ(t.readings.size(), 3u);
+    for (const SpreadReading& r : t.readings) {
+      EXPECT_GT(r.values[0].value, 0);
+      const double relative = r.values[0].error / r.values[0].value;
+      EXPECT_LT(relative, 0.3) << r.at_m;
+      // Diffusion is good to some 10 % a few transport lengths (1 mm) from the spot, and off by 25 % at two of them.
+      EXPECT_NEAR(r.predicted.at(0) / r.values[0].value, 1, (r.at_m < 3e-3 ? 0.3 : 0.15) + 4 * relative)
+          << is_line << " " << r.at_m;
+    }
+    EXPECT_NE(spread_table_content(t).find(is_line ? "1/m;" : "1/m^2;"), std::string::npos);
+  }
+  EXPECT_NE(message_of([&] { measure_spread(bench_of(64), lambertian_standard(0.5), s); }).find("is no slab"),
+            std::string::npos);
+  s.at_m = {2e-3, 1e-3};
+  EXPECT_NE(message_of([&] { measure_spread(bench_of(64), slab, s); }).find("must increase"),
+            std::string::npos);
+  s.at_m = {70e-3};
+  EXPECT_NE(message_of([&] { measure_spread(bench_of(64), slab, s); }).find("is not over the sample"),
+            std::string::npos);
 }
 
 TEST(Goniometer, ReportFindsAnisotropyAndReciprocity) {

@@ -17,15 +17,14 @@ namespace {
 /// The light field of a luminous point at (px, py, depth) in the picture's directions: in each view a pixel, spread bilinearly.
 LightField field_of_point(double px, double py, double depth) {
   LightField f;
-  f.views_x = f.views_y = 9;
-  f.aperture_width = f.aperture_height = 0.9, f.plane_distance = 2, f.field_width = 2;
   constexpr int kPixels = 101;
+  f.axes = {9, 9, kPixels, kPixels, 0.9, 0.9, 2, 2};
   f.mosaic.width = f.mosaic.height = 9 * kPixels, f.mosaic.channels = {"Y"};
   f.mosaic.pixels.assign(std::size_t(f.mosaic.width) * std::size_t(f.mosaic.height), 0.f);
-  const double pixel = f.field_width / kPixels;
+  const double pixel = f.axes.field_width / kPixels;
   for (int j = 0; j < 9; ++j)
     for (int i = 0; i < 9; ++i) {
-      const auto s = f.position(i, j);
+      const auto s = f.axes.position(i, j);
       const double u = (s[0] + (px - s[0]) * 2 / depth) / pixel + 50,
                    v = (s[1] + (py - s[1]) * 2 / depth) / pixel + 50;
       const int a = int(std::floor(u)), b = int(std::floor(v));
@@ -63,7 +62,7 @@ TEST(LightField, RefocusingBringsAPointTogether) {
   int count = 0;
   for (int j = 0; j < 9; ++j)
     for (int i = 0; i < 9; ++i) {
-      const auto s = f.position(i, j);
+      const auto s = f.axes.position(i, j);
       if (std::hypot(s[0], s[1]) <= 0.4) squares += s[0] * s[0] + s[1] * s[1], ++count;
     }
   const double expected = std::sqrt(squares / count) * 2 * (1 / 1.5 - 1 / 3.0) / pixel;
@@ -76,9 +75,9 @@ TEST(LightField, RefocusingBringsAPointTogether) {
 
 TEST(LightField, AxesInTheHeader) {
   LightField f = field_of_point(0, 0, 3);
-  const std::string axes = light_field_axes(f);
+  const std::string axes = f.axes.text();
   const LightField back = light_field_of(f.mosaic, axes, "x.exr");
-  EXPECT_EQ(light_field_axes(back), axes);
+  EXPECT_EQ(back.axes.text(), axes);
   EXPECT_THROW(light_field_of(f.mosaic, "", "x.exr"), Error);
   Image small = f.mosaic;
   small.height = 9;
@@ -177,6 +176,89 @@ TEST(LightField, AFullApertureIsAThinLens) {
   refused({"lightfield", "field_field.exr", "--at", "1,0"}, "outside of the light field");
   refused({"lightfield", "field_field.exr", "--focus", "0"}, "must be positive");
   refused({"lightfield", "field_field.exr", "-o", "x.tif"}, ".png or an .exr");
+}
+
+TEST(LightField, ADisplayShowsIt) {
+  // The light field of two balls, and the display in the place of its window: cameras before it take the same pictures.
+  TemporaryFolder folder;
+  const auto camera = [&](const std::string& sensor, const std::string& world) {
+    return "<scene version='3.0.0'><integrator type='path'/>" + sensor + world;
+  };
+  const std::string field =
+      "<sensor type='lightfield'><integer name='views_x' value='8'/><float name='aperture_width' value='0.4'/>"
+      "<float name='plane_distance' value='4'/><float name='field_width' value='4'/><string name='positions' value='point'/>"
+      "<film type='hdrfilm'><integer name='width' value='960'/><integer name='height' value='640'/><rfilter type='box'/></film>"
+      "<sampler type='sobol'><integer name='sample_count' value='16'/></sampler></sensor>";
+  const std::string display =
+      "<shape type='rectangle'><transform name='to_world'><scale x='2' y='1.33333333'/><rotate y='1' angle='180'/><translate z='4'/>"
+      "</transform><emitter type='lightfielddisplay'><string name='filename' value='field.exr'/></emitter></shape></scene>";
+  const auto perspective = [](double x, double y,
+                              const std::string& film = "<string name='pixel_format' value='rgb'/>") {
+    return "<sensor type='perspective'><float name='fov' value='53.130102'/><transform name='to_world'><translate x='" +
+           std::to_string(x) + "' y='" + std::to_string(y) +
+           "'/></transform><film type='hdrfilm'><integer name='width' value='120'/><integer name='height' value='80'/>" +
+           film +
+           "<string name='component_format' value='float32'/><rfilter type='box'/></film><sampler type='sobol'>"
+           "<integer name='sample_count' value='64'/></sampler></sensor>";
+  };
+  folder.write("field.xml", camera(field, kBalls));
+  ProgramEnd end =
+      run_program(folder.path, {"lightfield", "field.xml", "--field", "field.exr", "-o", "view.exr"});
+  ASSERT_EQ(end.exit_code, 0) << end.output;
+  const auto rendered = [&](const std::string& scene, const std::string& name) {
+    folder.write(name + ".xml", scene);
+    const ProgramEnd e = run_program(folder.path, {"render", name + ".xml", "-o", name + ".exr"});
+    EXPECT_EQ(e.exit_code, 0) << e.output;
+    return read_image(folder.path / (name + ".exr"));
+  };
+  // From the middle of a cell of the plane (s, t): half a cell beside the axis. Camera space has x to the left.
+  const double half_cell = 0.025;
+  const Image shown = rendered(camera(perspective(half_cell, half_cell), display), "shown"),
+              there = rendered(camera(perspective(half_cell, half_cell), kBalls), "there");
+  double difference = 0, contrast = 0, mean = 0, mean_shown = 0;
+  for (std::size_t i = 0; i < there.pixels.size(); ++i)
+    mean += double(there.pixels[i]) / double(there.pixels.size()),
+        mean_shown += double(shown.pixels[i]) / double(shown.pixels.size());
+  int compared = 0;
+  for (int y = 4; y < 76; ++y)
+    for (int x = 4; x < 116; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        difference += std::pow(double(shown.at(x, y, c)) - double(there.at(x, y, c)), 2);
+        contrast += std::pow(double(there.at(x, y, c)) - mean, 2), ++compared;
+      }
+  EXPECT_NEAR(mean_shown, mean, 0.02 * mean);
+  EXPECT_LT(std::sqrt(difference / contrast), 0.2);  // edges by bilinear interpolation of pixels
+  // The mirror image is none of it, and a camera at another place shows another picture.
+  const Image moved = rendered(camera(perspective(0.15, half_cell), display), "moved");
+  double other = 0;
+  for (int y = 4; y < 76; ++y)
+    for (int x = 4; x < 116; ++x)
+      for (std::size_t c = 0; c < 3; ++c)
+        other += std::pow(double(moved.at(x, y, c)) - double(there.at(x, y, c)), 2);
+  EXPECT_GT(other, 3 * difference);
+  // Beyond the cells there is no light; behind the display neither.
+  const Image outside = rendered(camera(perspective(0.5, 0), display), "outside");
+  double light = 0;
+  for (const float v : outside.pixels) light += double(v);
+  EXPECT_EQ(light, 0);
+  const auto fails = [&](const std::string& scene, const std::string& words) {
+    folder.write("bad.xml", scene);
+    const ProgramEnd e = run_program(folder.path, {"render", "bad.xml", "-o", "bad.exr"});
+    EXPECT_EQ(e.exit_code, 2) << e.output;
+    EXPECT_NE(e.output.find(words), std::string::npos) << e.output;
+  };
+  fails(
+      camera(
+          perspective(0, 0),
+          "<shape type='sphere'><emitter type='lightfielddisplay'><string name='filename' value='field.exr'/>"
+          "</emitter></shape></scene>"),
+      "must be flat");
+  fails(
+      camera(
+          perspective(0, 0),
+          "<shape type='rectangle'><emitter type='lightfielddisplay'><string name='filename' value='view.exr'/>"
+          "</emitter></shape></scene>"),
+      "is no light field");
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes tests/medium/data/splats: small files of splats by gsply 0.4.6 and gaussforge 0.6.0 (MIT), and splats.txt, the
 numbers that these programs read from them (of .spz of version 1, which neither writes, by the format's description).
+The files written_*.ply and written_*.spz are those that this program writes of sh0.ply and sh3.ply:
+AUREOLE_WRITTEN_SPLATS=tests/medium/data/splats build/release/bin/aureole_tests --gtest_filter=Splat.WrittenFiles*.
 
     python3 -m venv venv && venv/bin/pip install gsply==0.4.6 gaussforge==0.6.0 zstandard numpy
     venv/bin/python tests/medium/data/make_splats.py
@@ -100,6 +102,12 @@ def main():
     made = forge.convert((HERE / "sh0.ply").read_bytes(), "ply", "splat")
     (HERE / "sh0.splat").write_bytes(made["data"])
     judged("sh0.splat", "splat")
+    for degree in (0, 3):
+        name = f"written_sh{degree}"
+        add(name + ".ply", gsply.plyread(str(HERE / (name + ".ply"))))
+        judged(name + ".ply", "ply")
+        add(name + ".spz", gsply.read_spz(str(HERE / (name + ".spz"))))
+        judged(name + ".spz", "spz")
     c = cloud(1, 20)
     data, decoded = spz1(c)
     (HERE / "sh1_v1.spz").write_bytes(data)

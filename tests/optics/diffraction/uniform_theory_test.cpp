@@ -130,6 +130,71 @@ TEST(UniformTheory, WedgesAgainstTheExactSeries) {
     }
 }
 
+// The wave of an absorbing half plane, Fresnel's integral of the exact detour, times the factor of a wedge: in the shadow it is
+// the exact series, and light is continuous across the boundary of the shadow.
+TEST(UniformTheory, WedgesFromTheWaveOfAHalfPlane) {
+  const double k = 2 * M_PI;
+  const struct {
+    double degrees, soft_db, hard_db;  // over the half plane, from the series at 200 wavelengths
+  } kRows[] = {{9, -1.42, 1.69}, {21, -3.96, 3.68}};
+  for (const auto& [degrees, soft_db, hard_db] : kRows) {
+    const double phi_i = M_PI / 4, phi = phi_i + M_PI + degrees * M_PI / 180, rho = 200;
+    for (bool is_hard : {false, true}) {
+      const Complex factor =
+          Wedge(1.5).over_half_plane(k * rho, phi, phi_i, is_hard ? kHardMetal : kSoftMetal);
+      EXPECT_NEAR(20 * std::log10(std::abs(factor)), is_hard ? hard_db : soft_db, 0.01) << degrees;
+    }
+  }
+  double worst = 0;
+  for (double n : {2.0, 1.75, 1.5})
+    for (double phi_i : {0.3, M_PI / 4, 1.4})
+      for (double rho : {5.0, 50.0})
+        for (bool is_hard : {false, true})
+          for (double phi = phi_i + M_PI + 1e-3; phi < n * M_PI - 0.1; phi += 0.07) {
+            const double turn = phi - phi_i - M_PI, detour = rho * (1 - std::cos(turn));
+            const Complex exact = wedge_series(n, k, rho, phi, phi_i, is_hard);
+            const Complex wave =
+                Wedge(n).over_half_plane(k * rho, phi, phi_i, is_hard ? kHardMetal : kSoftMetal) *
+                knife_edge_field(-std::sqrt(4 * detour)) * std::polar(1.0, k * rho * std::cos(turn));
+            worst = std::max(worst, std::abs(wave - exact) / std::max(std::abs(exact), 1e-2));
+          }
+  std::printf("factors of wedges in the shadow: %.1e off the exact series\n", worst);
+  EXPECT_LT(worst, 0.02);
+  // Across the boundary of the shadow: the mean of the factors on both sides is 1, for any faces, so that light is continuous, and
+  // it is that of the exact series. The faces reflect no light there.
+  for (double n : {2.0, 1.5})
+    for (double phi_i : {0.2, 1.0})
+      for (const WedgeFaces& faces : {kSoftMetal, kHardMetal}) {
+        const double rho = 10;
+        const auto factor = [&](double off) {
+          return Wedge(n).over_half_plane(k * rho, phi_i + M_PI + off, phi_i, faces);
+        };
+        const auto field = [&](double off) {
+          const double v = std::sqrt(8 * rho) * std::sin(0.5 * off);
+          const Complex wave = off > 0 ? knife_edge_field(-v) : -knife_edge_field(v);
+          return (off > 0 ? 0.0 : 1.0) + factor(off) * wave;
+        };
+        EXPECT_LT(std::abs(0.5 * (factor(1e-6) + factor(-1e-6)) - 1.0), 1e-5) << n << " " << phi_i;
+        for (double off : {0.0, 1e-9})
+          EXPECT_LT(std::abs(factor(off) - factor(1e-6)), 1e-5) << n << " " << phi_i;
+        EXPECT_LT(std::abs(factor(-1e-9) - factor(-1e-6)), 1e-5) << n << " " << phi_i;
+        EXPECT_LT(std::abs(field(1e-6) - field(-1e-6)), 1e-4) << n << " " << phi_i;
+        for (double off : {1e-4, -1e-4, -1e-3})
+          EXPECT_LT(std::abs(field(off) * std::polar(1.0, k * rho * std::cos(off)) -
+                             wedge_series(n, k, rho, phi_i + M_PI + off, phi_i, faces.o == 1.0)),
+                    0.01)
+              << n << " " << phi_i << " " << off;
+      }
+  // Source and observer may be exchanged, on both sides of the boundary.
+  for (double phi : {1.3, 2.9, 3.6, 4.5})
+    EXPECT_LT(std::abs(Wedge(1.5).over_half_plane(40, phi, 0.4, kSoftMetal) -
+                       Wedge(1.5).over_half_plane(40, 0.4, phi, kSoftMetal)),
+              1e-12)
+        << phi;
+  // A half plane that absorbs is itself.
+  EXPECT_LT(std::abs(Wedge(2).over_half_plane(40, 5, 1, {0.0, 0.0}) - 1.0), 1e-12);
+}
+
 TEST(UniformTheory, PointSourcesAndOtherFaces) {
   EXPECT_DOUBLE_EQ(point_source_distance(2, 6, 0.5), 2.0 * 6 / 8 * 0.25);
   EXPECT_NEAR(point_source_distance(1e12, 6, 0.5), plane_wave_distance(6, 0.5), 1e-10);

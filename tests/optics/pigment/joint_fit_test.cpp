@@ -514,6 +514,142 @@ TEST(FilmTheory, OpaqueLayersOfStreams) {
   }
 }
 
+/// Paths of photons through a slab of index 1.5 in air, by Fresnel's equations and Henyey and Greenstein's phase function: the
+/// fraction that leaves above after scattering, and the fraction that leaves below.
+struct SlabPaths {
+  double reflected = 0, transmitted = 0;
+
+  SlabPaths(double sigma_a, double sigma_s, double g, double outer_cosine, int count, unsigned seed) {
+    constexpr double kIndex = 1.5;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    // Fresnel's reflectance from inside the slab, for a cosine within.
+    const auto inside = [](double cosine) {
+      const double sine2 = kIndex * kIndex * (1 - cosine * cosine);
+      if (sine2 >= 1) return 1.0;
+      const double out = std::sqrt(1 - sine2), s = (kIndex * cosine - out) / (kIndex * cosine + out),
+                   p = (cosine - kIndex * out) / (cosine + kIndex * out);
+      return (s * s + p * p) / 2;
+    };
+    const double entered = std::sqrt(1 - (1 - outer_cosine * outer_cosine) / (kIndex * kIndex));
+    for (int i = 0; i < count; ++i) {
+      double z = 0, mu = entered;
+      bool scattered = false;
+      if (uniform(random) < inside(entered)) continue;  // gloss, which is excluded
+      for (;;) {
+        const double step = -std::log(1 - uniform(random)) / (sigma_a + sigma_s), to = z + step * mu;
+        if (to >= 0 && to <= 1) {
+          z = to;
+          if (uniform(random) * (sigma_a + sigma_s) < sigma_a) break;
+          const double part = (1 - g * g) / (1 - g + 2 * g * uniform(random)),
+                       cosine = g == 0 ? 2 * uniform(random) - 1 : (1 + g * g - part * part) / (2 * g);
+          mu = mu * cosine +
+               std::sqrt((1 - mu * mu) * (1 - cosine * cosine)) * std::cos(2 * M_PI * uniform(random));
+          scattered = true;
+          continue;
+        }
+        z = to < 0 ? 0 : 1;
+        if (uniform(random) >= inside(std::abs(mu))) {
+          if (z == 1)
+            transmitted += 1.0 / count;
+          else if (scattered)
+            reflected += 1.0 / count;
+          break;
+        }
+        mu = -mu;
+      }
+    }
+  }
+};
+
+/// Free films of streams are those of photons that are followed: reflectance without gloss, and all transmitted light.
+TEST(FilmTheory, FreeFilmsOfStreamsArePaths) {
+  constexpr int kPaths = 200000;
+  const StreamsSettings settings{.index = 1.5, .g = 0.7};
+  const auto theory = streams_theory(settings);
+  for (const auto& [k, s] : {std::pair{0.02, 0.1}, {0.5, 1.0}, {0.05, 4.0}, {2.0, 0.3}}) {
+    const FilmLayer film{std::log(k), std::log(s)};
+    const SlabPaths paths(k / 2, 4. / 3 * s / 0.3, 0.7, std::cos(8 * M_PI / 180), kPaths, 11);
+    // Four standard deviations, and the error of the tables and of 16 streams.
+    const auto margin = [](double p) { return 4 * std::sqrt(p * (1 - p) / kPaths) + 1e-3; };
+    EXPECT_NEAR(theory->free_reflectance(film).value, paths.reflected, margin(paths.reflected))
+        << k << " " << s;
+    EXPECT_NEAR(theory->free_transmittance(film).value, paths.transmitted, margin(paths.transmitted))
+        << k << " " << s;
+    constexpr double kStep = 1e-4;
+    for (const bool by_k : {true, false}) {
+      FilmLayer more = film, less = film;
+      (by_k ? more.ln_k : more.ln_s) += kStep, (by_k ? less.ln_k : less.ln_s) -= kStep;
+      const FilmValue r = theory->free_reflectance(film), t = theory->free_transmittance(film);
+      EXPECT_NEAR(by_k ? r.by_ln_k : r.by_ln_s,
+                  (theory->free_reflectance(more).value - theory->free_reflectance(less).value) / (2 * kStep),
+                  1e-5);
+      EXPECT_NEAR(
+          by_k ? t.by_ln_k : t.by_ln_s,
+          (theory->free_transmittance(more).value - theory->free_transmittance(less).value) / (2 * kStep),
+          1e-5);
+    }
+  }
+  // Gloss: 4 % of each of two surfaces, of which a nearly clear film shows both.
+  StreamsSettings with_gloss = settings;
+  with_gloss.specular = Specular::included;
+  const FilmLayer clear{std::log(1e-4), std::log(1e-3)};
+  EXPECT_NEAR(
+      streams_theory(with_gloss)->free_reflectance(clear).value - theory->free_reflectance(clear).value,
+      2 * 0.04 / 1.04, 2e-3);
+}
+
+/// K and S of free films, measured in R and T at two thicknesses, come back from a joint fit by streams; by two fluxes they
+/// do not.
+TEST(JointFit, FreeFilmsByStreams) {
+  SampleTable table;
+  for (double l = 400; l <= 700; l += 50) table.nm.push_back(l);
+  const auto k = [](double l) { return 1e5 * (0.02 + 0.6 / (1 + std::exp((l - 560) / 20))); };
+  const auto s = [](double l) { return 4e4 * 550 / l; };
+  for (const double thickness : {10e-6, 30e-6})
+    for (const auto quantity : {Sample::Quantity::reflectance, Sample::Quantity::transmittance}) {
+      Sample& one = table.samples.emplace_back();
+      one.name = "film", one.paints = parse_recipe("ink"), one.backing = "none", one.states_backing = true;
+      one.quantity = quantity, one.thickness = thickness;
+      for (const double l : table.nm) {
+        optics::StackDescription d;
+        d.layers = {
+            {k(l) / 2, 4. / 3 * s(l) / 0.3, thickness, optics::LegendrePhase::henyey_greenstein(0.7), 1.5}};
+        const optics::StackFluxes f =
+            optics::PlaneStack(d, {32}).fluxes(optics::StackLight::beam(std::cos(8 * M_PI / 180)));
+        one.values.push_back(quantity == Sample::Quantity::transmittance
+                                 ? f.transmittance
+                                 : f.reflectance - f.unscattered_reflectance);
+      }
+    }
+  JointSettings settings;
+  settings.noise = 0.001, settings.noise_relative = 0.002;
+  const auto worst = [&](const FilmTheory& theory) {
+    const JointFit fit(table, theory, settings);
+    const Pigment& ink = fit.palette().pigments[0];
+    double off = 0;
+    for (std::size_t l = 0; l < table.nm.size(); ++l)
+      off = std::max({off, std::abs(ink.k[l] / k(table.nm[l]) - 1), std::abs(ink.s[l] / s(table.nm[l]) - 1)});
+    return off;
+  };
+  EXPECT_LT(worst(*streams_theory({.index = 1.5, .g = 0.7})), 0.04);
+  EXPECT_GT(worst(*two_flux_theory(smooth_surface(1.5, Geometry::diffuse_8, Specular::excluded))), 0.2);
+}
+
+/// The table of opaque layers by the reflectance of two fluxes, which searches use, is the theory.
+TEST(FilmTheory, OpaqueReflectanceOfSearches) {
+  const auto streams = streams_theory({.g = 0.7}),
+             two = two_flux_theory(saunderson_surface(0.04, 0.6, Specular::included));
+  for (const FilmTheory* theory : {streams.get(), two.get()}) {
+    const OpaqueReflectance opaque(*theory);
+    for (double ratio = -11; ratio < 6; ratio += 0.037)
+      EXPECT_NEAR(opaque(2 * std::exp(ratio), 2), theory->opaque({ratio, 0}).value, 1e-5)
+          << theory->name() << ratio;
+    EXPECT_NEAR(opaque(0, 1), theory->opaque({-30, 0}).value, 1e-4);
+    EXPECT_NEAR(opaque(1, 0), theory->opaque({30, 0}).value, 1e-4);
+  }
+}
+
 /// Recipes of a palette by streams are those that streams predict: opaque and as films, with mean cosines of the paints.
 TEST(PigmentMatch, ByStreams) {
   Palette palette;
@@ -701,9 +837,14 @@ TEST(JointFit, BadInputIsNamed) {
   other.paints = parse_recipe("white");
   table.samples.push_back(other);
   EXPECT_THROW(JointFit(table, *two), SampleError);  // one specimen, two recipes
-  table.samples.back().specimen = "film", table.samples.back().backing = "none";
-  const auto streams = streams_theory({});
-  EXPECT_THROW(JointFit(table, *streams), std::domain_error);
+  // An opaque layer and a film over a card have no transmittance; a free film does.
+  table.samples.back().specimen = "film", table.samples.back().quantity = Sample::Quantity::transmittance;
+  for (const char* backing : {"opaque", "0.3"}) {
+    table.samples.back().backing = backing;
+    EXPECT_THROW(JointFit(table, *two), SampleError) << backing;
+  }
+  table.samples.back().backing = "none";
+  EXPECT_NO_THROW(JointFit(table, *two));
   EXPECT_THROW(in_groups(table, 1), std::domain_error);
 }
 

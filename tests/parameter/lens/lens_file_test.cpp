@@ -239,5 +239,51 @@ TEST(LensFile, RaysAndSpotsOfAnotherProgram) {
   EXPECT_EQ(spots, 18);
 }
 
+TEST(LensFile, PublishedSpotsOfACookeTriplet) {
+  // Root mean square radii [um] about the centroid at 550 nm, of the triplet of 50 mm at f/5, fields of 0, 14 and 20 degrees
+  // and 480, 550 and 650 nm, with 6 rings of rays: H. Kramer, optiland (its published test of spot diagrams, 2025). Its SK16 is
+  // the one of Hikari's catalogue, whose dispersion differs from Schott's N-SK16.
+  const double published[3][3] = {
+      {3.791335, 4.293690, 6.195619}, {15.694600, 16.786721, 19.109151}, {13.229165, 12.081349, 13.596802}};
+  LensPrescription lens = read_lens(source_dir() / "tests/references/scenes/lenses/triplet.lens");
+  for (optics::LensSurface& s : lens.surfaces) s.semi_diameter = 0.95 / std::max(1e-3, std::abs(s.curvature));
+  LensSystem system(lens.surfaces);
+  const auto indices = [&](double nm) {
+    std::vector<double> n = lens.indices(nm);
+    const double l2 = nm * nm * 1e-6;
+    const double sk16 = std::sqrt(2.592001 - 0.01540969 * l2 + 0.0102268 / l2 + 0.001581559 / (l2 * l2) -
+                                  0.0001877149 / (l2 * l2 * l2) + 1.012515e-5 / (l2 * l2 * l2 * l2));
+    for (double& x : n)
+      if (std::abs(x - sk16) < 1e-4) x = sk16;
+    return n;
+  };
+  const double fields[3] = {0, 14, 20}, wavelengths[3] = {480, 550, 650};
+  const double pupil = system.paraxial(indices(550)).entrance_pupil;
+  for (int f = 0; f < 3; ++f) {
+    std::array<double, 2> centroid{};
+    const auto spot = [&](double nm, bool is_centroid) {
+      const double field = fields[f] * M_PI / 180;
+      const std::vector<double> n = indices(nm);
+      double x = 0, y = 0, xx = 0, count = 0;
+      for (int i = 0; i <= 6; ++i)
+        for (int k = 0; k < std::max(1, 6 * i); ++k) {
+          const double r = 5.0 * i / 6, turn = 2 * M_PI * k / std::max(1, 6 * i);
+          LensRay ray{{r * std::cos(turn), r * std::sin(turn), pupil}, {0, std::sin(field), std::cos(field)}};
+          for (std::size_t c = 0; c < 3; ++c) ray.o[c] -= ray.d[c] * 150;
+          EXPECT_TRUE(system.trace(ray, n, nm));
+          const double along = (system.film() - ray.o[2]) / ray.d[2];
+          const double px = ray.o[0] + ray.d[0] * along - centroid[0],
+                       py = ray.o[1] + ray.d[1] * along - centroid[1];
+          x += px, y += py, xx += px * px + py * py, ++count;
+        }
+      if (is_centroid) centroid = {x / count, y / count};
+      return 1000 * std::sqrt(xx / count);
+    };
+    spot(550, true);
+    for (int w = 0; w < 3; ++w)
+      EXPECT_NEAR(spot(wavelengths[w], false), published[f][w], 1e-4 * published[f][w]) << f << w;
+  }
+}
+
 }  // namespace
 }  // namespace aureole::test

@@ -29,6 +29,20 @@ def name_of(bsdf: Bsdf) -> str:
     return thing.id
 
 
+def lamps(path: str) -> float:
+    scene = aureole.load_file(path)
+    seen = aureole.photometry(scene, 16, regions=[(0, 0, 2, 2)], progress=False)
+    both = aureole.illumination(path, 16, runs=4, progress=False)
+    lamp = aureole.goniophotometer(path, 64, c_step=30)
+    lamp.save("lamp.ies")
+    glass = aureole.lens("double_gauss.lens", f_number=4, fields=[0, 5.0])
+    raw = aureole.expose(path, exposure=0.01, frames=2, gain=0.5)
+    field = aureole.lightfield(path)
+    view: aureole.Image = field.picture((0.0, 0.1), diameter=0.2)
+    lit = aureole.optics.disc_solid_angle([0, 0, 2], [0, 0, 1], 1.0, normal=[0, 0, 1])
+    return seen.regions[0].mean + float(both.total[0]) + lamp.flux + glass.focal_length + float(raw.electrons.mean()) + view.height + float(lit.projected)
+
+
 def brightness(path: str) -> float:
     scene = aureole.load_file(path, width=32)
     image: aureole.Image = aureole.render(scene, spp=4, progress=False)

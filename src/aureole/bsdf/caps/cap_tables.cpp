@@ -33,6 +33,7 @@ CapTables::CapTables(const CapLayer& layer, const SpectralGrid& grid)
       covered_(float(layer.area_fraction)),
       height_(float(layer.height)),
       structure_scale_(float(std::sqrt(layer.sizes.moment(2)))),
+      is_curved_(layer.profile.contact_angle > 0),
       phase_nm_(kTwoPi * layer.radius_nm),
       first_(1 / grid.max_nm),
       scale_((kWavelengthNodes - 1) / (1 / grid.min_nm - 1 / grid.max_nm)),
@@ -89,6 +90,7 @@ CapTables::CapTables(const CapLayer& layer, const SpectralGrid& grid)
       mean_back_[std::size_t(2 * node + side)] = float(sum);
     }
   }
+  layer_ = {};  // needed no longer
 }
 
 CapTables::Light CapTables::light(float nm, float medium, float relative_index, float transmittance) const {
@@ -181,9 +183,8 @@ float CapTables::intensity(const Light& l, const Pair& pair) const {
   const float limited = std::copysign(std::max(std::abs(difference), 0.02f), difference);
   const float on_caps = (pair.on_caps.x * x + pair.on_caps.y * y) / limited,
               on_flat = (pair.on_flat.x * x + pair.on_flat.y * y) / limited;
-  const float factor = layer_.profile.contact_angle > 0
-                           ? std::clamp((c - on_caps) * (within + on_flat) / (c * within), 0.f, kMaxFactor)
-                           : 1;
+  const float factor =
+      is_curved_ ? std::clamp((c - on_caps) * (within + on_flat) / (c * within), 0.f, kMaxFactor) : 1;
   const float u = l.phase * transverse;
   const auto i =
       scatterer_.intensity(u, std::abs(l.phase * height_ * difference), l.amplitude * std::sqrt(factor));

@@ -23,6 +23,7 @@
 #include <memory>
 #include <vector>
 
+#include "aureole/core/table_fields.h"
 #include "aureole/math/vec.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/layer/phase_scatterer.h"
@@ -47,6 +48,8 @@ struct CapLayer {
 
 class CapTables {
 public:
+  /// Empty tables, to be read.
+  CapTables() = default;
   /// Computes the tables of a layer. Throws std::domain_error if the tables would be too large.
   CapTables(const CapLayer& layer, const SpectralGrid& grid);
 
@@ -78,6 +81,14 @@ public:
 
   std::size_t bytes() const;
 
+  static constexpr TableKind kTable{"layer of caps", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.covered_, self.density_, self.height_, self.structure_scale_, self.is_curved_, self.phase_nm_,
+        self.first_, self.scale_, self.structure_, self.scatterer_, self.waves_, self.passing_,
+        self.reduction_, self.mean_back_);
+  }
+
 private:
   static constexpr int kWavelengthNodes = 33, kCosines = 48;
 
@@ -97,9 +108,10 @@ private:
   float look_up(const std::vector<float>& table, const Light& light, bool on_caps, float cosine) const;
   void sum_scattered(int node);
 
-  CapLayer layer_;
-  float covered_, density_, height_, structure_scale_;
-  double phase_nm_, first_, scale_;  ///< the node of a wavelength is (1/nm - first) scale
+  CapLayer layer_;  ///< while tables are made
+  float covered_ = 0, density_ = 0, height_ = 0, structure_scale_ = 0;
+  bool is_curved_ = false;                       ///< whether scatterers are caps, not discs
+  double phase_nm_ = 0, first_ = 0, scale_ = 0;  ///< the node of a wavelength is (1/nm - first) scale
   optics::RadialFunction structure_;
   optics::PhaseScatterer scatterer_;
   /// radial distributions of u, one for each wavelength node

@@ -22,19 +22,17 @@ auto located(const Properties& p, const char* parameter, F&& make) {
   }
 }
 
-std::shared_ptr<const optics::ScattererMixture> make_mixture(const Properties& p, LayerShapes shapes,
-                                                             const LayerRanges& ranges,
-                                                             const Correlation& correlation) {
-  const auto mixture = located(p, "aperture", [&] {
-    return std::make_shared<optics::ScattererMixture>(std::move(shapes.scatterers), shapes.correlation_radius,
-                                                      for_ranges);
+optics::ScattererMixture make_mixture(const Properties& p, LayerShapes shapes, const LayerRanges& ranges,
+                                      const Correlation& correlation) {
+  optics::ScattererMixture mixture = located(p, "aperture", [&] {
+    return optics::ScattererMixture(std::move(shapes.scatterers), shapes.correlation_radius, for_ranges);
   });
   if (p.get_choice("sizes", "labelled", {"labelled", "polydisperse"}) == "polydisperse") {
     if (ranges.area_fraction_varies())
       throw p.error("area_fraction", "must be the same everywhere where sizes are \"polydisperse\"");
     located(p, "sizes", [&] {
-      mixture->correlate_sizes(ranges.most_area_fraction,
-                               [&](const optics::HardDiscMixture& discs) { return correlation.at(discs); });
+      mixture.correlate_sizes(ranges.most_area_fraction,
+                              [&](const optics::HardDiscMixture& discs) { return correlation.at(discs); });
     });
   }
   return mixture;
@@ -69,12 +67,15 @@ LayerTables make_layer_tables(const Properties& p, LayerShapes shapes, const Lay
 
   const auto correlation = get_correlation(p);
   const double correlation_radius = shapes.correlation_radius, largest = shapes.largest;
-  const auto mixture = make_mixture(p, std::move(shapes), ranges, *correlation);
   LayerTables tables;
-  tables.model = located(p, "area_fraction", [&] {
-    return std::make_shared<const ScattererModel>(mixture, *correlation, ranges.least_area_fraction,
-                                                  ranges.most_area_fraction, extent);
+  tables.model = p.shared_model<ScattererModel>([&] {
+    const optics::ScattererMixture mixture = make_mixture(p, std::move(shapes), ranges, *correlation);
+    return located(p, "area_fraction", [&] {
+      return std::make_shared<const ScattererModel>(mixture, *correlation, ranges.least_area_fraction,
+                                                    ranges.most_area_fraction, extent);
+    });
   });
+  if (!tables.model) return tables;
   const ScattererModel& model = *tables.model;
   if (!model.is_isotropic() && correlation_radius > 8 * largest)
     throw p.error(

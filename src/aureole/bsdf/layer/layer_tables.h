@@ -24,7 +24,7 @@ struct LayerRanges {
 };
 
 struct LayerTables {
-  std::shared_ptr<const ScattererModel> model;
+  std::shared_ptr<const ScattererModel> model;      ///< null in a scene with errors, as are all others
   std::shared_ptr<const ScattererSampler> sampler;  ///< sampler of the diffracted wave; null: cosine sampling
   std::optional<ScattererBalance> balance;          ///< balance of the option "renormalize"
 };

@@ -19,22 +19,24 @@ double ratio(double area_fraction) { return area_fraction / (1 - area_fraction);
 
 }  // namespace
 
-ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture,
-                               const Correlation& correlation, double least, double most, double extent)
-    : mixture_(std::move(mixture)),
+ScattererModel::ScattererModel(const optics::ScattererMixture& mixture, const Correlation& correlation,
+                               double least, double most, double extent)
+    : covered_per_fraction_(mixture.covered_per_fraction()),
+      fill_(mixture.mean_squared_area() / mixture.mean_area()),
+      has_isotropic_shapes_(mixture.is_isotropic()),
       // Nodes that are too close cannot be distinguished in single precision.
       least_(most - least < 1e-4 ? most : least),
       most_(most),
       may_overlap_(correlation.may_overlap()),
       degree_(correlation.degree()) {
   if (may_overlap_) {
-    tabulate_overlapping(extent);
+    tabulate_overlapping(mixture, extent);
     return;
   }
   auto factor = correlation.structure_factor(most);
   if (!factor->is_isotropic()) {
     anisotropic_ = factor;
-    tables_.push_back(std::make_shared<optics::ScattererTable>(*mixture_, extent, factor, for_ranges));
+    tables_.push_back(std::make_shared<optics::ScattererTable>(mixture, extent, factor, for_ranges));
     // integral of U + C S' over the rings, by Simpson's rule, and of the tail c/u^3 beyond them
     double sum = 0;
     constexpr double kStep = 1.0 / 64;
@@ -50,8 +52,8 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
     inverse_totals_ = {float(1 / sum)};
     return;
   }
-  tables_.push_back(std::make_shared<optics::ScattererTable>(*mixture_, extent, nullptr, for_ranges));
-  single_ = mixture_->is_uniform();
+  tables_.push_back(std::make_shared<optics::ScattererTable>(mixture, extent, nullptr, for_ranges));
+  single_ = mixture.is_uniform();
   inverse_ = correlation.interpolates_inverse();
   const std::vector<double> nodes = varies() ? correlation.nodes(least_, most_) : std::vector<double>{most};
   for (double fa : nodes) {
@@ -64,24 +66,24 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   for (int i = 0; i <= totals; ++i) {
     State state = at(float(totals > 0 ? least_ + (most_ - least_) * i / totals : most_));
     double correlated;
-    if (mixture_->has_correlated_sizes())
+    if (mixture.has_correlated_sizes())
       correlated = optics::correlation_power([&](double u) {
-        return double(table().uncorrelated_ring().eval(float(u))) - mixture_->independent_ring(u);
+        return double(table().uncorrelated_ring().eval(float(u))) - mixture.independent_ring(u);
       });
     else
       correlated = optics::correlation_power([&](double u) {
         return double(table().coherent_ring().eval(float(u))) * (double(structure(state, float(u))) - 1);
       });
-    inverse_totals_.push_back(float(1 / (mixture_->total() + correlated)));
+    inverse_totals_.push_back(float(1 / (mixture.total() + correlated)));
   }
 }
 
-void ScattererModel::tabulate_overlapping(double extent) {
+void ScattererModel::tabulate_overlapping(const optics::ScattererMixture& shapes, double extent) {
   const int cells = varies() ? int(std::ceil((most_ - least_) / kOverlapStep)) : 0;
   for (int i = 0; i <= cells; ++i) {
     // Without scatterers no light is diffracted, but the normalised intensity g has a limit.
     const double fa = std::max(cells > 0 ? std::lerp(least_, most_, double(i) / cells) : most_, 1e-6);
-    const optics::ScattererMixture mixture = mixture_->overlapping(fa, for_ranges);
+    const optics::ScattererMixture mixture = shapes.overlapping(fa, for_ranges);
     tables_.push_back(std::make_shared<optics::ScattererTable>(mixture, extent, nullptr, for_ranges));
     inverse_totals_.push_back(float(1 / mixture.total()));
   }
@@ -126,20 +128,20 @@ ScattererModel::State ScattererModel::at(float area_fraction) const {
 }
 
 float ScattererModel::covered(float area_fraction) const {
-  const double fr = area_fraction * mixture_->covered_per_fraction();
+  const double fr = area_fraction * covered_per_fraction_;
   return float(may_overlap_ ? -std::expm1(-fr) : fr);
 }
 
 float ScattererModel::diffracted(float area_fraction) const {
-  const double fr = area_fraction * mixture_->covered_per_fraction(),
-               fill = mixture_->mean_squared_area() / mixture_->mean_area();
-  return float(may_overlap_ ? std::exp(-2 * fr) * std::expm1(fr * fill) : std::max(fr * fill - fr * fr, 0.0));
+  const double fr = area_fraction * covered_per_fraction_;
+  return float(may_overlap_ ? std::exp(-2 * fr) * std::expm1(fr * fill_)
+                            : std::max(fr * fill_ - fr * fr, 0.0));
 }
 
 Spectrum ScattererModel::parts(const optics::ScattererTable& table, const DiffractedWave& u,
                                Spectrum& coherent) const {
   Spectrum uncorrelated(0.f);
-  if (!is_isotropic() && !(is_anisotropic() && mixture_->is_isotropic())) {
+  if (!is_isotropic() && !(is_anisotropic() && has_isotropic_shapes_)) {
     table.eval<kWavelengths>(u.x.data(), u.y.data(), u.length.data(), uncorrelated.data(), coherent.data());
   } else {
     coherent = make_spectrum([&](int j) { return table.coherent_ring().eval(u.length[j]); });

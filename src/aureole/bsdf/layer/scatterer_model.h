@@ -14,6 +14,7 @@
 #include <memory>
 #include <vector>
 
+#include "aureole/core/table_fields.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/optics/layer/scatterer_table.h"
 #include "aureole/spectrum/spectrum.h"
@@ -35,10 +36,12 @@ public:
     std::array<float, 4> weights;  ///< weights of these nodes
   };
 
+  /// A model without tables, to be read.
+  ScattererModel() = default;
   /// `least`, `most`: range of the area fraction. `extent`: the largest |u|. Throws std::domain_error for
   /// errors of the correlation.
-  ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture, const Correlation& correlation,
-                 double least, double most, double extent);
+  ScattererModel(const optics::ScattererMixture& mixture, const Correlation& correlation, double least,
+                 double most, double extent);
 
   State at(float area_fraction) const;
   /// Returns Fr, the fraction of the plane that the shapes cover.
@@ -89,17 +92,29 @@ public:
   bool is_isotropic() const { return !table().has_azimuths(); }
   std::size_t bytes() const;
 
+  static constexpr TableKind kTable{"layer of scatterers", 1};
+  /// Structure factors without circular symmetry are evaluated, not tabulated.
+  bool is_keepable() const { return !is_anisotropic(); }
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.covered_per_fraction_, self.fill_, self.has_isotropic_shapes_, self.tables_, self.least_,
+        self.most_, self.inverse_, self.may_overlap_, self.single_, self.degree_, self.ratios_,
+        self.structures_, self.inverse_totals_);
+  }
+
 private:
-  void tabulate_overlapping(double extent);
+  void tabulate_overlapping(const optics::ScattererMixture& mixture, double extent);
   /// Returns U and C of one table.
   Spectrum parts(const optics::ScattererTable& table, const DiffractedWave& u, Spectrum& coherent) const;
 
-  std::shared_ptr<const optics::ScattererMixture> mixture_;
+  double covered_per_fraction_ = 0,
+         fill_ = 0;  ///< of the mixture: Fr/Fa, and the integral of A^2 over that of A
+  bool has_isotropic_shapes_ = true;
   std::vector<std::shared_ptr<const optics::ScattererTable>> tables_;
   std::shared_ptr<const optics::StructureFactor> anisotropic_;
-  double least_, most_;
-  bool inverse_ = false, may_overlap_, single_ = false;
-  int degree_;
+  double least_ = 0, most_ = 0;
+  bool inverse_ = false, may_overlap_ = false, single_ = false;
+  int degree_ = 1;
   std::vector<float> ratios_;  ///< ratio Fa/(1 - Fa) at the nodes
   std::vector<optics::RadialFunction> structures_;
   /// Values of `State::inverse_total` at equal steps of the area fraction; where scatterers overlap, one for

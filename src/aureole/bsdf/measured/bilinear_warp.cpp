@@ -35,8 +35,15 @@ int last_not_above(int last, float x, Value&& value) {
 
 NodePlace place_among(std::span<const float> nodes, float x) {
   if (nodes.size() < 2) return {};
-  const auto above = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, x);
-  NodePlace place{std::size_t(above - nodes.begin()) - 1};
+  NodePlace place;
+  if (constexpr std::size_t kFew = 64; nodes.size() <= kFew) {
+    // Counting needs no branches, which random angles would make unpredictable.
+    int below = 0;
+    for (std::size_t i = 1; i + 1 < nodes.size(); ++i) below += nodes[i] <= x ? 1 : 0;
+    place.index = std::size_t(below);
+  } else {
+    place.index = std::size_t(std::upper_bound(nodes.begin() + 1, nodes.end() - 1, x) - nodes.begin()) - 1;
+  }
   const float low = nodes[place.index], high = nodes[place.index + 1];
   place.fraction = std::clamp((x - low) / (high - low), 0.f, 1.f);
   return place;

@@ -70,7 +70,10 @@ float KlemsMatrix::mean(std::size_t i, std::size_t o) const {
   return is_coloured ? (values[3 * at] + values[3 * at + 1] + values[3 * at + 2]) / 3 : values[at];
 }
 
+/// Linear sRGB of values for the responses X, Y and Z, which are relative as WINDOW and Radiance have them: a neutral sheet has equal
+/// ones. They become tristimulus values by those of the white, CIE D65.
 std::array<float, 3> rgb_of_xyz(double x, double y, double z) {
+  x *= 0.95047, z *= 1.08883;
   // Matrix from CIE XYZ to linear sRGB (IEC 61966-2-1).
   return {float(3.2404542 * x - 1.5371385 * y - 0.4985314 * z),
           float(-0.9692660 * x + 1.8760108 * y + 0.0415560 * z),

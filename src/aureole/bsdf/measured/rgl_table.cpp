@@ -46,7 +46,8 @@ RglTable::RglTable(const RglFile& file, const SpectralGrid& grid)
   else
     primaries_ = rgb_primaries(grid);
   stride_ = is_spectral_ ? wavelengths_.count() : 3;
-  spectra_.resize(nodes_.count() * area * stride_);
+  // Vectors of wavelengths may reach beyond the last node.
+  spectra_.resize(nodes_.count() * area * stride_ + std::size_t(kWavelengths));
   // The file stores an array for each channel; the table keeps all channels of a node together.
   for_ranges(
       nodes_.count() * std::size_t(height_),
@@ -121,6 +122,30 @@ Spectrum RglTable::spectrum(const Incidence& i, Vec2 uniform, const Wavelengths&
   const float* const base =
       spectra_.data() + (std::size_t(y.index) * std::size_t(width_) + std::size_t(x.index)) * stride_;
   SpectralSum sum(place);
+  if (constexpr std::size_t kFew = 32; stride_ <= kFew) {
+    // All wavelengths of the table at once, which lie together in memory, then those of the path.
+    constexpr std::size_t kWidth = std::size_t(kWavelengths);
+    alignas(64) float row[kFew + kWidth + 1];
+    for (std::size_t c = 0; c < stride_; c += kWidth) {
+      Spectrum all(0.f);
+      const auto add = [&](const float* from, float weight) {
+        Spectrum values;
+        std::memcpy(values.data(), from + c, sizeof(float) * kWidth);
+        all = all + values * weight;
+      };
+      for (int k = 0; k < i.blend.count; ++k) {
+        const float* const node = base + i.blend.slice[std::size_t(k)] * slice_size;
+        const float* const above = node + std::size_t(width_) * stride_;
+        const float weight = i.blend.weight[std::size_t(k)], low = weight * (1 - y.fraction),
+                    high = weight * y.fraction;
+        add(node, low * (1 - x.fraction)), add(node + stride_, low * x.fraction);
+        add(above, high * (1 - x.fraction)), add(above + stride_, high * x.fraction);
+      }
+      std::memcpy(row + c, all.data(), sizeof(float) * kWidth);
+    }
+    sum.add(row, 1);
+    return sum.value();
+  }
   for (int k = 0; k < i.blend.count; ++k) {
     const float* const node = base + i.blend.slice[std::size_t(k)] * slice_size;
     const float* const above = node + std::size_t(width_) * stride_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "aureole/bsdf/microfacet/microfacet.h"
+#include "aureole/core/table_fields.h"
 
 namespace aureole {
 
@@ -49,6 +50,12 @@ public:
   using Energy = std::function<double(const Microfacets&, const Vec3& wi, float eta, int points)>;
 
   LossTable() = default;
+  static constexpr TableKind kTable{"energy loss of a rough surface", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.u_, self.v_, self.isotropic_, self.rows_, self.azimuths_, self.etas_, self.inverse_step_,
+        self.loss_, self.mass_below_);
+  }
   /// `etas`: equidistant nodes; a single one if the index does not depend on the wavelength.
   LossTable(const Roughness& roughness, std::vector<float> etas, const Energy& energy);
 
@@ -130,6 +137,10 @@ private:
   struct Axis {
     float min = 0, range = 0;
     int nodes = 1;
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.min, self.range, self.nodes);
+    }
     float node(int i) const {
       return min + (nodes > 1 ? range * float(i * i) / float((nodes - 1) * (nodes - 1)) : 0);
     }

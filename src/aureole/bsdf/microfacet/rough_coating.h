@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
 #include "aureole/bsdf/microfacet/microfacet.h"
+#include "aureole/core/table_fields.h"
 
 namespace aureole {
 
@@ -13,9 +15,17 @@ namespace aureole {
 struct RoughCoating {
   static constexpr int kCells = 128;
 
-  float transmittance[kCells + 1];
-  float f_int, leaving;  ///< fractions of diffuse light from below that are reflected and that leave
+  float transmittance[kCells + 1] = {};
+  float f_int = 0, leaving = 0;  ///< fractions of diffuse light from below that are reflected and that leave
 
+  static constexpr TableKind kTable{"rough coating", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.transmittance, self.f_int, self.leaving);
+  }
+
+  /// An empty table, to be read.
+  RoughCoating() = default;
   /// With `energy_preserving`, transmits all light that is not reflected once; else only light transmitted
   /// once.
   RoughCoating(const Microfacets& d, double eta, bool energy_preserving);
@@ -24,6 +34,17 @@ struct RoughCoating {
     const float x = std::min(mu, 1.f) * kCells;
     const int i = std::min(int(x), kCells - 1);
     return transmittance[i] + (transmittance[i + 1] - transmittance[i]) * (x - float(i));
+  }
+};
+
+/// The coating for the smallest index and, where the index depends on the wavelength, for the largest.
+struct RoughCoatings {
+  std::vector<RoughCoating> by_index;
+
+  static constexpr TableKind kTable{"rough coatings", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.by_index);
   }
 };
 

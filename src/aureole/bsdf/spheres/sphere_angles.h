@@ -80,6 +80,11 @@ public:
     return v2 <= w2 ? float(cells()) - place : place;
   }
 
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.fine_, self.coarse_, self.offset_, self.split_, self.half_);
+  }
+
 private:
   float fine_ = 1, coarse_ = 1, offset_ = 0, split_ = 1;
   int half_ = 1;

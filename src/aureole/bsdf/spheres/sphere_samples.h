@@ -32,6 +32,11 @@ public:
 
   std::size_t bytes() const { return sizeof(float) * (ring_.size() + cdf_.size() + azimuth_.size()); }
 
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.angles_, self.wavelengths_, self.ring_, self.cdf_, self.azimuth_);
+  }
+
 private:
   static constexpr int kTilts = 16;         // angles of incidence, uniform in the cosine
   static constexpr int kBins = 16;          // bins of the azimuth, over half a turn

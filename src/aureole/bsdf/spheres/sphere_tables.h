@@ -17,6 +17,7 @@
 
 #include "aureole/bsdf/spheres/sphere_angles.h"
 #include "aureole/bsdf/spheres/sphere_samples.h"
+#include "aureole/core/table_fields.h"
 #include "aureole/math/vec.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/particle/size_distribution.h"
@@ -41,6 +42,8 @@ public:
   /// Bounds of the size parameter 2 pi n radius/lambda.
   static constexpr double kMinSize = 0.01, kMaxSize = 5000;
 
+  /// Empty tables, to be read.
+  SphereTables() = default;
   SphereTables(const SphereLayer& layer, const SpectralGrid& grid);
 
   /// The fractions of the light, per wavelength, that pass undeflected, are reflected specularly, and are
@@ -60,6 +63,14 @@ public:
 
   std::size_t bytes() const;
   int wavelength_nodes() const { return wavelengths_; }
+
+  static constexpr TableKind kTable{"layer of spheres", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.angles_, self.sampling_, self.wavelengths_, self.stride_, self.per_stride_, self.balance_stride_,
+        self.has_peaks_, self.first_, self.scale_, self.sizes_, self.structure_, self.phase_, self.h_,
+        self.transmitted_, self.reflected_, self.lost_);
+  }
 
 private:
   struct Worker;

@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "aureole/core/table_fields.h"
 #include "aureole/math/vec.h"
 #include "aureole/optics/stack/stack_kernels.h"
 #include "aureole/spectrum/wavelengths.h"
@@ -34,6 +35,8 @@ public:
     return 1e-6 * values *
            (double(kernels) * sizeof(double) + double(std::max<std::size_t>(kernels, 2)) * sizeof(float));
   }
+  /// An empty table, to be read.
+  StackTable() = default;
   /// `kernels`: at equidistant wavelengths over the grid's range, or one for all. `azimuths`: azimuths of the
   /// kernels, from 0 to pi. A stack without a substrate also has directions below. Each kernel is corrected
   /// so that it conserves energy: first where it is largest, since the error of sums over nodes is largest at
@@ -71,6 +74,14 @@ public:
   /// for directions less than 80 degrees from the normal.
   double correction() const { return correction_; }
 
+  static constexpr TableKind kTable{"stack of layers", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.index_, self.wavelengths_, self.azimuths_, self.first_nm_, self.per_nm_, self.sides_, self.phi_,
+        self.phi_cells_, self.reflected_, self.transmitted_, self.correction_, self.lost_, self.reached_sum_,
+        self.per_inner_);
+  }
+
 private:
   struct Side {
     std::vector<float> cosines;                             ///< cosines of the nodes, from 0 to 1
@@ -80,6 +91,12 @@ private:
     /// the cumulative probability of the cells, [wavelength][cosine][node].
     std::vector<float> ring, cdf;
     std::vector<float> reached;  ///< fraction that reaches the substrate, [cosine][wavelength]
+
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.cosines, self.cells, self.scattered, self.mirrored, self.passed, self.total, self.ring,
+          self.cdf, self.reached);
+    }
   };
   struct Place {
     int cell;
@@ -118,9 +135,9 @@ private:
                     : &reflected_[0][(std::size_t(i) * above + std::size_t(o)) * stride];
   }
 
-  float index_[2];
-  int wavelengths_, azimuths_;
-  float first_nm_, per_nm_;
+  float index_[2] = {};
+  int wavelengths_ = 0, azimuths_ = 0;
+  float first_nm_ = 0, per_nm_ = 0;
   Side sides_[2];
   std::vector<float> phi_;
   std::vector<int> phi_cells_;                     ///< cell of azimuths pi (i/n)^2, for the search

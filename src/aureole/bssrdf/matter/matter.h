@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "aureole/core/table_fields.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -13,6 +14,12 @@ namespace aureole {
 /// Coefficients at each node of the scene's grid, in 1/length of the scene.
 struct Matter {
   std::vector<double> absorption, scattering, asymmetry;  ///< sigma_a, sigma_s and the mean cosine g
+
+  static constexpr TableKind kTable{"coefficients of a translucent body", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.absorption, self.scattering, self.asymmetry);
+  }
 
   std::size_t size() const { return absorption.size(); }
   double extinction(std::size_t node) const { return absorption[node] + scattering[node]; }

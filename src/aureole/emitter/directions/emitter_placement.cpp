@@ -9,7 +9,10 @@
 namespace aureole {
 
 Placement get_placement(const Properties& properties) {
-  const Transform t = properties.get_transform("to_world");
+  return get_placement(properties, properties.get_transform("to_world"));
+}
+
+Placement get_placement(const Properties& properties, const Transform& t) {
   const auto& m = t.matrix();
   double length[3];
   for (int c = 0; c < 3; ++c) length[c] = std::hypot(m[0][c], m[1][c], m[2][c]);
@@ -27,6 +30,13 @@ Placement get_placement(const Properties& properties) {
   for (int c = 0; c < 3; ++c)
     axis[c] = {float(m[0][c] / length[c]), float(m[1][c] / length[c]), float(m[2][c] / length[c])};
   return {t.point({0, 0, 0}), {axis[0], axis[1], axis[2]}, length[0]};
+}
+
+Motion get_placement_motion(const Properties& properties) {
+  Motion motion = properties.get_motion("to_world");
+  if (!motion.is_rigid())
+    throw properties.error("to_world", "an emitter must not be scaled or sheared while it moves");
+  return motion;
 }
 
 }  // namespace aureole

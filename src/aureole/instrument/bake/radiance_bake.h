@@ -16,8 +16,8 @@ struct RadianceBakeOptions {
   int degree = 0;        ///< of the harmonics
   int paths = 64;        ///< of each voxel with a surface
   float exposure = 1;    ///< factor of the light before it is encoded as sRGB
-  /// Optical thickness of a wall that faces along an axis: its voxels have the density thickness / edge.
-  float thickness = 12;
+  /// Optical thickness of a wall along its normal.
+  float thickness = 5;
   std::uint64_t seed = 0;
 };
 
@@ -29,9 +29,10 @@ struct RadianceBake {
       0;  ///< voxels with a surface; the others that are stored surround them, without density
 };
 
-/// Voxels that contain a surface are opaque; their colour is the light that leaves the surfaces in them, in linear sRGB in units
-/// of D65, encoded as sRGB. Their neighbours get their mean colour and no density, so that the colours of interpolated positions
-/// are those of a surface. The result does not depend on the number of threads. Throws Error if there is no surface to bake.
+/// The density at a voxel is in proportion to the area of the surfaces around it, weighted as trilinear interpolation weights it;
+/// the colour of voxels with a surface is the light that leaves the surfaces in them, in linear sRGB in units of D65, encoded as
+/// sRGB. Their neighbours get mean colours, so that the colours of interpolated positions are those of a surface. The result
+/// does not depend on the number of threads. Throws Error if there is no surface to bake.
 RadianceBake bake_radiance_grid(const LoadedScene& loaded, const RadianceBakeOptions& options);
 
 }  // namespace aureole

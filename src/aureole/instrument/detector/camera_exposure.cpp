@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -40,20 +41,20 @@ public:
 
   [[noreturn]] void fail(const std::string& message) const { throw Error({file_.string(), 0, 0}, message); }
   void read(const char* key, double& to) {
-    known_.emplace_back(key);
+    note_known(key);
     if (!values_.contains(key)) return;
     const auto& v = values_[key];
     if (!v.is_number() || !std::isfinite(v.get<double>())) fail(fmt::format("\"{}\" must be a number", key));
     to = v.get<double>();
   }
   void read(const char* key, std::string& to) {
-    known_.emplace_back(key);
+    note_known(key);
     if (!values_.contains(key)) return;
     if (!values_[key].is_string()) fail(fmt::format("\"{}\" must be a text", key));
     to = values_[key].get<std::string>();
   }
   const nlohmann::json* find(const char* key) {
-    known_.emplace_back(key);
+    note_known(key);
     return values_.contains(key) ? &values_[key] : nullptr;
   }
   void refuse_others() const {
@@ -63,10 +64,50 @@ public:
   }
 
 private:
+  void note_known(const char* key) {
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
+  }
+
   const nlohmann::json& values_;
   std::filesystem::path file_;
   std::vector<std::string> known_;
 };
+
+/// Curves that a camera's file has itself: {"nm": [...], "values": [...]}, or "red", "green" and "blue" beside "nm".
+std::vector<EfficiencyCurve> curves_of(const nlohmann::json& object, const CameraKeys& keys,
+                                       const std::string& key) {
+  const std::string kExpected =
+      "\"" + key +
+      "\" must be a number, the name of a table, or an object with lists of numbers: \"nm\", and \"values\" or \"red\", "
+      "\"green\" and \"blue\"";
+  if (!object.is_object()) keys.fail(kExpected);
+  std::vector<std::string> names{"red", "green", "blue"};
+  if (object.contains("values")) names = {"values"};
+  if (object.size() != names.size() + 1 || !object.contains("nm")) keys.fail(kExpected);
+  const auto numbers = [&](const std::string& name) {
+    if (!object.contains(name) || !object[name].is_array()) keys.fail(kExpected);
+    std::vector<double> list;
+    for (const nlohmann::json& v : object[name]) {
+      if (!v.is_number()) keys.fail("\"" + key + "\": \"" + name + "\" must be a list of numbers");
+      list.push_back(v.get<double>());
+    }
+    return list;
+  };
+  const std::vector<double> nm = numbers("nm");
+  if (nm.size() < 2 || !(nm.front() > 0) ||
+      std::adjacent_find(nm.begin(), nm.end(), std::greater_equal<>()) != nm.end())
+    keys.fail("\"" + key + "\": \"nm\" must be two or more wavelengths that increase");
+  std::vector<EfficiencyCurve> curves;
+  for (const std::string& name : names) {
+    const EfficiencyCurve& curve = curves.emplace_back(EfficiencyCurve{nm, numbers(name)});
+    if (curve.values.size() != nm.size())
+      keys.fail(fmt::format("\"{}\": \"{}\" has {} values for {} wavelengths", key, name, curve.values.size(),
+                            nm.size()));
+    for (const double v : curve.values)
+      if (!(v >= 0 && v <= 1)) keys.fail(fmt::format("\"{}\": values lie between 0 and 1, got {:g}", key, v));
+  }
+  return curves;
+}
 
 }  // namespace
 
@@ -153,9 +194,13 @@ std::vector<EfficiencyCurve> read_efficiency(const std::filesystem::path& file) 
 }
 
 CameraModel read_camera(const std::filesystem::path& file) {
+  return parse_camera(read_text_file(file, kMaxJsonBytes), file);
+}
+
+CameraModel parse_camera(const std::string& text, const std::filesystem::path& file) {
   nlohmann::json values;
   try {
-    values = nlohmann::json::parse(read_text_file(file, kMaxJsonBytes));
+    values = nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {
     throw Error({file.string(), 0, 0}, std::string("is no JSON: ") + e.what());
   }
@@ -174,7 +219,17 @@ CameraModel read_camera(const std::filesystem::path& file) {
     keys.fail("\"bits\" must be a whole number from 1 to 16");
   d.bits = int(bits);
   keys.read("pixel_pitch_um", camera.pixel_pitch_um), keys.read("fill_factor", camera.fill_factor);
-  keys.read("f_number", camera.f_number), keys.read("transmission", camera.transmission);
+  keys.read("f_number", camera.f_number);
+  if (const nlohmann::json* transmission = keys.find("transmission");
+      transmission && !transmission->is_number()) {
+    const std::vector<EfficiencyCurve> curves =
+        transmission->is_string() ? read_efficiency(file.parent_path() / transmission->get<std::string>())
+                                  : curves_of(*transmission, keys, "transmission");
+    if (curves.size() != 1) keys.fail("\"transmission\" is one curve for all pixels");
+    camera.transmittance = curves[0];
+  } else {
+    keys.read("transmission", camera.transmission);
+  }
   std::string aperture = "sine", mosaic = "mono";
   keys.read("aperture", aperture), keys.read("mosaic", mosaic);
   if (aperture != "sine" && aperture != "thin")
@@ -191,7 +246,7 @@ CameraModel read_camera(const std::filesystem::path& file) {
     else if (efficiency->is_string())
       camera.efficiency = read_efficiency(file.parent_path() / efficiency->get<std::string>());
     else
-      keys.fail("\"efficiency\" must be a number, or the name of a table");
+      camera.efficiency = curves_of(*efficiency, keys, "efficiency");
   }
   keys.refuse_others();
   try {
@@ -222,7 +277,7 @@ void check_camera(const CameraModel& c) {
           "efficiencies of red, green and blue need a \"mosaic\" of colours");
   for (const EfficiencyCurve& curve : c.efficiency)
     for (const double v : curve.values)
-      require(v >= 0 && v <= 1, "a quantum efficiency lies between 0 and 1");
+      require(v >= 0 && v <= 1, fmt::format("a quantum efficiency lies between 0 and 1, got {:g}", v));
 }
 
 std::vector<double> mean_electrons(const SpectralPicture& p, const CameraModel& c, double exposure) {
@@ -242,7 +297,7 @@ std::vector<double> mean_electrons(const SpectralPicture& p, const CameraModel& 
       double sum = 0;
       for (int k = 0; k < kSteps; ++k) {
         const double nm = std::lerp(p.lower_nm[b], p.upper_nm[b], (k + 0.5) / kSteps);
-        sum += curve.at(nm) * nm * 1e-9 / kPlanckTimesLight;
+        sum += curve.at(nm) * c.transmittance.at(nm) * nm * 1e-9 / kPlanckTimesLight;
       }
       f.push_back(sum / kSteps * (p.upper_nm[b] - p.lower_nm[b]) * area * optics * exposure);
       largest = std::max(largest, f.back());
@@ -278,6 +333,16 @@ RawImage read_sensor(std::span<const double> electrons, int width, int height, c
   for (std::size_t i = 0; i < electrons.size(); ++i)
     raw.values[i] = optics::read_pixel(c.detector, electrons[i], exposure, i, seeds.sensor, seeds.frame);
   return raw;
+}
+
+ColorCalibration calibrate_colors(const CameraModel& camera) {
+  std::vector<EfficiencyCurve> curves;
+  for (const EfficiencyCurve& c : camera.efficiency) {
+    EfficiencyCurve& filtered = curves.emplace_back();
+    for (double nm = 360; nm <= 830; ++nm)
+      filtered.nm.push_back(nm), filtered.values.push_back(c.at(nm) * camera.transmittance.at(nm));
+  }
+  return calibrate_colors(std::span<const EfficiencyCurve>(curves));
 }
 
 ColorCalibration calibrate_colors(std::span<const EfficiencyCurve> curves) {

@@ -46,14 +46,19 @@ struct CameraModel {
   double f_number = 2.8;      ///< for pictures of the radiance
   optics::ApertureLaw aperture = optics::ApertureLaw::sine;
   double transmission = 1;  ///< of lens and filters that all pixels share
+  /// Transmittance by wavelength of lens and filters that all pixels share, besides `transmission`.
+  EfficiencyCurve transmittance = EfficiencyCurve::constant(1);
   optics::ColorMosaic mosaic;
   std::vector<EfficiencyCurve> efficiency{
       EfficiencyCurve::constant(0.5)};  ///< one, or of red, green and blue
 };
 
 /// Reads a camera from a JSON file; keys that it lacks keep their values here, and unknown keys are errors. Curves are a
-/// number, or the name of a table beside the file. Throws Error located in the file.
+/// number, the name of a table beside the file, or lists of numbers ("nm" with "values", or with "red", "green" and "blue"); so
+/// is the transmission, which all pixels share. Throws Error located in the file.
 CameraModel read_camera(const std::filesystem::path& file);
+/// Reads the text of a file of that name.
+CameraModel parse_camera(const std::string& text, const std::filesystem::path& file);
 /// Reads curves of a table: wavelengths in nm, and one column (efficiency) or three (red, green, blue). A first line of
 /// headings is allowed. Throws Error located in the file.
 std::vector<EfficiencyCurve> read_efficiency(const std::filesystem::path& file);
@@ -85,5 +90,7 @@ struct ColorCalibration {
 /// Fits the matrix by least squares on the 24 patches of a virtual ColorChecker under D65: reflectances that have the
 /// colours of the patches (sRGB values that X-Rite published), by smooth upsampling. White keeps its colour.
 ColorCalibration calibrate_colors(std::span<const EfficiencyCurve> red_green_blue);
+/// Calibrates a camera, with what its lens and its filters transmit by wavelength.
+ColorCalibration calibrate_colors(const CameraModel& camera);
 
 }  // namespace aureole

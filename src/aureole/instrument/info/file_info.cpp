@@ -29,11 +29,13 @@ bool is_xml(const std::filesystem::path& file) {
 }  // namespace
 
 FileInfo file_info(const std::filesystem::path& file,
-                   const std::vector<std::pair<std::string, std::string>>& defines) {
+                   const std::vector<std::pair<std::string, std::string>>& defines,
+                   const std::shared_ptr<TableCache>& tables) {
   const bool is_radiance_grid = is_radiance_voxels_file(file);
   const bool holds_splats = is_splats(file);                          // .spz is gzip, as NIfTI may be
   const bool is_volume = !holds_splats && is_scalar_grid_file(file);  // .vti is XML, too
-  if (!is_radiance_grid && !holds_splats && !is_volume && is_xml(file)) return scene_info(file, defines);
+  if (!is_radiance_grid && !holds_splats && !is_volume && is_xml(file))
+    return scene_info(file, defines, tables);
   if (!defines.empty()) throw Error("-D sets names of scenes: " + file.string() + " is not a scene file");
   if (is_radiance_grid) return radiance_grid_info(file);
   if (is_volume) return volume_info(file);

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "aureole/core/table_cache.h"
 
 namespace aureole {
 
@@ -18,14 +21,16 @@ struct FileInfo {
 };
 
 /// Describes a file by its content. `defines` are the values of a scene's $names. Throws Error for a file that cannot be
-/// read or is none of these, and for defines of any other file than a scene.
+/// read or is none of these, and for defines of any other file than a scene. `tables`: the cache of a scene's tables.
 FileInfo file_info(const std::filesystem::path& file,
-                   const std::vector<std::pair<std::string, std::string>>& defines = {});
+                   const std::vector<std::pair<std::string, std::string>>& defines = {},
+                   const std::shared_ptr<TableCache>& tables = {});
 
 /// Describes the content of a scene: film, wavelengths, sensor, integrator, shapes, tables, emitters. Implemented in
 /// scene_info.cpp.
 FileInfo scene_info(const std::filesystem::path& file,
-                    const std::vector<std::pair<std::string, std::string>>& defines);
+                    const std::vector<std::pair<std::string, std::string>>& defines,
+                    const std::shared_ptr<TableCache>& tables);
 /// Describes size, format, origin, noise, colours and channels of a picture. Implemented in picture_info.cpp.
 FileInfo picture_info(const std::filesystem::path& file);
 /// Describes the picture that a state file belongs to, and how much of it is done. Implemented in picture_info.cpp.

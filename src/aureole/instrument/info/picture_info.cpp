@@ -84,7 +84,8 @@ std::string estimate_of(const std::string& integrator) {
 }
 
 /// Prints what aureole writes into the headers of its pictures.
-void print_origin(std::string& out, const ExrAttributes& a, const std::filesystem::path& file) {
+void print_origin(std::string& out, const ExrAttributes& a, const Image& image,
+                  const std::filesystem::path& file) {
   add_text(out, "scene        {} (hash {})\n", found(a, "scene"), found(a, "scene_hash"));
   add_text(out, "rendered by  aureole {}, integrator {}, sampler {}, seed {}, {} wavelengths per path\n",
            found(a, "version"), found(a, "integrator"), found(a, "sampler"), found(a, "seed"),
@@ -97,7 +98,12 @@ void print_origin(std::string& out, const ExrAttributes& a, const std::filesyste
            adaptive == "none" ? "" : ", adaptive for " + adaptive + " error",
            seconds == a.floats.end() ? "" : fmt::format(", in {:.2f} s", seconds->second));
   const int replicates = number(a, "replicates", 1), invalid = number(a, "invalid_samples", 0);
-  if (replicates > 1)
+  const bool has_variances =
+      std::any_of(image.channels.begin(), image.channels.end(),
+                  [](const std::string& name) { return name.starts_with("variance."); });
+  if (replicates > 1 && !has_variances)
+    add_text(out, "noise        {} replicates, whose variances are not stored\n", replicates);
+  else if (replicates > 1)
     add_text(out, "noise        variances of the mean of {} replicates, in the channels variance.*\n",
              replicates);
   else
@@ -143,7 +149,9 @@ FileInfo picture_info(const std::filesystem::path& file) {
   add_text(out, "size         {} x {} pixels, {} channel{}{}\n", image.width, image.height,
            image.channel_count(), image.channel_count() == 1 ? "" : "s",
            image.cube_map ? ", six faces of a cube map" : "");
-  if (attributes.strings.contains("aureole:scene_hash")) print_origin(out, attributes, file);
+  if (attributes.strings.contains("aureole:scene_hash")) print_origin(out, attributes, image, file);
+  if (const auto edits = attributes.strings.find("aureole:edits"); edits != attributes.strings.end())
+    add_text(out, "edited       {}\n", one_line(edits->second));
   print_colours(out, image);
   print_attributes(out, attributes);
   const auto described = attributes.strings.find(kChannelsAttribute);

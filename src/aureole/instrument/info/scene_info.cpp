@@ -42,10 +42,12 @@ void print_tables(std::string& out, const Scene& scene) {
 }  // namespace
 
 FileInfo scene_info(const std::filesystem::path& file,
-                    const std::vector<std::pair<std::string, std::string>>& defines) {
+                    const std::vector<std::pair<std::string, std::string>>& defines,
+                    const std::shared_ptr<TableCache>& tables) {
   FileInfo info{"scene", "", {}};
   std::string& out = info.text;
   LoadOptions load;
+  load.tables = tables;
   load.defines = defines;
   const LoadedScene loaded = load_scene(file, load);
   const Scene& scene = *loaded.scene;

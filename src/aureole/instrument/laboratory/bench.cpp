@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "aureole/core/error.h"
+#include "aureole/instrument/wavelength_steps.h"
 #include "aureole/render/job.h"
 
 namespace aureole {
@@ -39,6 +40,22 @@ Ratio ratio_of(const Readings& over, std::size_t detector, const Readings& under
   }
   ratio.error = n > 1 ? std::sqrt(squares / (double(n) * double(n - 1))) : INFINITY;
   return ratio;
+}
+
+Bands bands_over(const std::vector<double>& range, const SpectralGrid& grid, double step, double usual_step,
+                 double bandwidth) {
+  if (range.size() != 2 || !(range[0] > 0 && range[1] >= range[0]))
+    throw Error("--range: two wavelengths in nm are expected, as in 400,700");
+  Bands bands;
+  if (range[1] > range[0]) {
+    SpectralGrid measured = grid;
+    measured.min_nm = range[0], measured.max_nm = range[1];
+    bands.nm = wavelength_steps(measured, step, usual_step);
+  } else {
+    bands.nm = {range[0]};
+  }
+  bands.width_nm = bandwidth > 0 ? bandwidth : bands.nm.size() > 1 ? bands.nm[1] - bands.nm[0] : 10;
+  return bands;
 }
 
 Bench::Bench(const SpectralGrid& grid, double length_unit_m, Bands bands, TraceSettings settings)

@@ -20,6 +20,12 @@ struct Bands {
   double width_nm = 10;    ///< full width at half maximum
 };
 
+/// The bands of an instrument over `range`, the first and the last wavelength [nm], at most `step` apart; `usual_step` counts where
+/// `step` is not positive. They are `bandwidth` wide, or as wide as they are apart where that is 0 (10 nm for one band).
+/// Throws Error unless `range` holds two increasing or equal wavelengths.
+Bands bands_over(const std::vector<double>& range, const SpectralGrid& grid, double step, double usual_step,
+                 double bandwidth);
+
 struct TraceSettings {
   std::int64_t paths = 1 << 16;  ///< for each detector, all replicates together
   int replicates = 16;           ///< independent parts of them, from whose spread the standard error follows
@@ -70,6 +76,7 @@ public:
 
   const Bands& bands() const { return bands_; }
   const TraceSettings& settings() const { return settings_; }
+  const SpectralGrid& grid() const { return grid_; }
   double length_unit_m() const { return length_unit_m_; }
   /// A length in scene units, as text.
   std::string length(double metres) const;

@@ -273,6 +273,7 @@ private:
 
   /// f of a lobe for all readings, averaged over their cones with the lamp's cosine, as the irradiance weighs them.
   std::vector<double> lobe_values(const std::string& element) const {
+    if (settings_.stop && *settings_.stop) throw Error("interrupted: nothing is written");
     const SpectralGrid grid = SpectralGrid::over(540, 560);
     const LoadedObject loaded =
         load_object_from_string("<scene version=\"3.0.0\">" + element + "</scene>", "model", grid);

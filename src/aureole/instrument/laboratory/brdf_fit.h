@@ -2,6 +2,7 @@
 // Analytic BRDFs fitted to a goniometer's readings, with confidence intervals and Akaike's criterion.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct FitSettings {
   double floor =
       0.005;  ///< uncertainty of the model itself, relative to a reading, which joins the measured one
   std::size_t most_readings = 4000;  ///< of which as many are taken at even steps
+  const std::atomic<bool>* stop = nullptr;
 };
 
 struct FittedParameter {

@@ -7,26 +7,24 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string_view>
 
+#include "aureole/bsdf/measured/scattered_table.h"
 #include "aureole/core/error.h"
+#include "aureole/core/image.h"
 #include "aureole/core/keyed_random.h"
+#include "aureole/instrument/laboratory/goniometer_scene.h"
 #include "aureole/math/vec.h"
+#include "aureole/pigment/text_table.h"
 
 namespace aureole {
 namespace {
 
-constexpr double kHighest = 89;        ///< angles of lamp and detectors [degrees]
-constexpr double kLampFarther = 1.05;  ///< distance of the lamp over that of the detectors
-constexpr double kReceiverGap = 1e-4;  ///< of a cosine receiver from the sample [m]
+constexpr double kHighest = 89;  ///< angles of lamp and detectors [degrees]
 
 double normal_deviate(KeyedRandom& random) {
   const double u = 1 - double(random.next()), v = double(random.next());
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * kPiD * v);
-}
-
-std::array<double, 3> direction_at(double theta, double phi) {
-  const double t = theta * kDegree, a = phi * kDegree;
-  return {std::sin(t) * std::cos(a), std::sin(t) * std::sin(a), std::cos(t)};
 }
 
 void check_sizes(const GoniometerSettings& s) {
@@ -47,74 +45,6 @@ void check_sizes(const GoniometerSettings& s) {
     throw Error(fmt::format("the sample of {:g} mm is smaller than the spot of {:g} mm on it",
                             s.sample_m * 1e3, std::max(s.viewed_m, s.lit_m) * 1e3));
 }
-
-/// Scenes of a goniometer.
-class GonioScenes {
-public:
-  GonioScenes(const Bench& bench, const GoniometerSettings& s) : bench_(bench), s_(s) {}
-
-  /// The specimen, turned about its normal by -turn degrees: as if lamp and detectors had turned.
-  void add_specimen(const Specimen& specimen, double turn = 0) {
-    content_ += specimen_shape(specimen,
-                               {.matrix = matrix_text(Transform::rotate(0, 0, 1, -turn)),
-                                .radius = 0.5 * s_.sample_m / bench_.length_unit_m(),
-                                .length_unit_m = bench_.length_unit_m()},
-                               given_);
-  }
-  void add_lamp(double theta, double half_angle) {
-    const double distance = kLampFarther * s_.distance_m;
-    const std::array<double, 3> d = direction_at(theta, 0);
-    const double at = distance / bench_.length_unit_m();
-    add_disc(facing({d[0] * at, d[1] * at, d[2] * at}, {-d[0], -d[1], -d[2]}),
-             distance * std::tan(half_angle * kDegree),
-             fmt::format("<emitter type=\"beam\"><spectrum name=\"radiance\" value=\"1\"/>"
-                         "<float name=\"target_radius\" value=\"{}\"/></emitter>",
-                         bench_.length(0.5 * s_.lit_m)));
-  }
-  void add_even_light() {
-    // A black floor keeps light from the back of what transmits.
-    const double below = -2 * s_.sample_m / bench_.length_unit_m();
-    add_disc(facing({0, 0, below}, {0, 0, 1}), 100 * s_.sample_m,
-             "<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>");
-    content_ += "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"1\"/></emitter>";
-  }
-  /// Detectors at pairs of a polar angle and an azimuth [degrees].
-  void add_detectors(const std::vector<std::array<double, 2>>& directions) {
-    detectors_ = directions.size();
-    std::string text;
-    for (const auto& d : directions) text += fmt::format("{:.9g} {:.9g} ", d[0], d[1]);
-    content_ += fmt::format(
-        "<sensor type=\"detector\"><string name=\"directions\" value=\"{}\"/><float name=\"distance\" value=\"{}\"/>"
-        "<float name=\"field_radius\" value=\"{}\"/><float name=\"aperture_radius\" value=\"{}\"/>{}</sensor>",
-        text, bench_.length(s_.distance_m), bench_.length(0.5 * s_.viewed_m),
-        bench_.length(s_.distance_m * std::tan(s_.detector_angle * kDegree)), bench_.film(detectors_));
-  }
-  /// A cosine receiver of the viewed area, for light that has been scattered or comes from everywhere.
-  void add_receiver(bool faces_up) {
-    const double z = faces_up ? 0 : kReceiverGap / bench_.length_unit_m();
-    add_disc(facing({0, 0, z}, {0, 0, faces_up ? 1.0 : -1.0}), 0.5 * s_.viewed_m,
-             "<bsdf type=\"null\"/><sensor type=\"irradiancemeter\">" + bench_.film(1) + "</sensor>");
-  }
-  /// The irradiance of the viewed area by a lamp: a perfect diffuser, viewed along the normal, has that over pi for radiance.
-  void add_diffuser() {
-    add_specimen(lambertian_standard(1));
-    add_detectors({{0, 0}});
-  }
-  Readings read() const { return bench_.trace(content_, given_, detectors_); }
-
-private:
-  void add_disc(const Transform& place, double radius, const std::string& inner) {
-    content_ += fmt::format(
-        "<shape type=\"disk\"><transform name=\"to_world\"><scale value=\"{}\"/><matrix value=\"{}\"/></transform>{}</shape>",
-        bench_.length(radius), matrix_text(place), inner);
-  }
-
-  const Bench& bench_;
-  const GoniometerSettings& s_;
-  std::string content_;
-  std::map<std::string, ObjectPtr> given_;
-  std::size_t detectors_ = 1;
-};
 
 /// A reading of the detectors as f: radiance over irradiance, or by comparison with the standard.
 class Calibration {
@@ -154,7 +84,7 @@ std::vector<std::array<double, 2>> steepest_directions(const std::vector<std::ar
   const std::vector<std::array<double, 2>> candidates =
       outgoing_directions(GonioPlan::Kind::hemispherical, 6 * (int(known.size()) + count));
   const auto distance = [](const std::array<double, 2>& a, const std::array<double, 2>& b) {
-    const auto u = direction_at(a[0], a[1]), v = direction_at(b[0], b[1]);
+    const auto u = gonio_direction(a[0], a[1]), v = gonio_direction(b[0], b[1]);
     return std::acos(std::clamp(u[0] * v[0] + u[1] * v[1] + u[2] * v[2], -1.0, 1.0));
   };
   const double largest = *std::max_element(values.begin(), values.end());
@@ -190,6 +120,55 @@ Ratio mean_of(const Readings& over, const Readings& under, double scale) {
   Ratio q = ratio_of(a, 0, b, 0, 0);
   q.value *= scale, q.error *= scale;
   return q;
+}
+
+/// A map over the sphere of a radiance that is stated by the angle from the normal, or the picture of a file.
+Image light_map(const std::string& text) {
+  if (text.find_first_not_of("0123456789.:,+-eE ") != text.npos) {
+    Image map = read_image(text);
+    if (map.srgb_encoded)
+      throw Error({text, 0, 0},
+                  "radiances are expected, as in files of EXR, HDR or PFM, not values encoded for a screen");
+    return map;
+  }
+  std::vector<std::pair<double, double>> points;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    std::string_view one = rest.substr(0, end);
+    while (one.starts_with(' ')) one.remove_prefix(1);
+    const std::size_t colon = one.find(':');
+    const auto angle = pigment::finite_number(std::string(one.substr(0, colon))),
+               radiance = colon == one.npos ? std::nullopt
+                                            : pigment::finite_number(std::string(one.substr(colon + 1)));
+    if (!angle || !radiance || !(*angle >= 0 && *angle <= 90) || !(*radiance >= 0 && *radiance <= 1e6) ||
+        (!points.empty() && !(*angle > points.back().first)))
+      throw Error(fmt::format(
+          "--incident-light \"{}\": increasing angles from 0 to 90 degrees and radiances are expected, as in 0:1,60:0.5,90:0.1",
+          text));
+    points.emplace_back(*angle, *radiance);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  constexpr int kRows = 1024;
+  Image map;
+  map.width = 4, map.height = kRows, map.channels = {"Y"}, map.pixels.resize(4 * kRows);
+  for (int y = 0; y < kRows; ++y) {
+    // The first and the last row are the poles.
+    const double angle = 180.0 * y / (kRows - 1);
+    double value = 0;
+    if (angle <= 90) {
+      const auto after = std::upper_bound(points.begin(), points.end(), std::pair(angle, double(INFINITY)));
+      if (after == points.begin())
+        value = points.front().second;
+      else if (after == points.end())
+        value = points.back().second;
+      else
+        value = std::lerp(after[-1].second, after->second,
+                          (angle - after[-1].first) / (after->first - after[-1].first));
+    }
+    for (int x = 0; x < 4; ++x) map.at(x, y, 0) = float(value);
+  }
+  return map;
 }
 
 /// f of one pair of directions, the mean over the bands.
@@ -254,6 +233,39 @@ GonioTable measure_scattering(const Bench& bench, const Specimen& specimen, cons
   KeyedRandom random(std::uint32_t(mix_bits(bench.settings().seed + 0x51ed) >> 16));
   const bool is_adaptive = plan.kind == GonioPlan::Kind::adaptive;
   const std::size_t bands = table.nm.size();
+  // The standard deviation of f where the angles of lamp and detector have a normal distribution: f at the angles, and one standard
+  // deviation before and after, give its first and second derivatives; the variance of a parabola is slope^2 + curvature^2/2.
+  const auto angle_errors = [&](double theta, double phi, const std::vector<std::array<double, 2>>& nominal,
+                                int side) {
+    const auto f_at = [&](double of_lamp, double of_detector) {
+      const auto moved = [](double angle, double by) {
+        return std::clamp(std::abs(angle + by), 0.0, kHighest);
+      };
+      std::vector<std::array<double, 2>> at = nominal;
+      for (auto& d : at) d[0] = side == 0 ? moved(d[0], of_detector) : 180 - moved(d[0], of_detector);
+      GonioScenes scene(bench, s);
+      scene.add_specimen(specimen, phi), scene.add_lamp(moved(theta, of_lamp), s.lamp_angle);
+      scene.add_detectors(at);
+      const Readings read = scene.read();
+      const Calibration calibration(bench, s, moved(theta, of_lamp), at);
+      std::vector<double> f;
+      for (std::size_t d = 0; d < at.size(); ++d)
+        for (std::size_t b = 0; b < bands; ++b) f.push_back(calibration.f(read, d, b).value);
+      return f;
+    };
+    const std::vector<double> middle = f_at(0, 0);
+    std::vector<double> variance(middle.size());
+    for (const bool is_lamp : {true, false}) {
+      const std::vector<double> after = f_at(is_lamp ? s.angle_error : 0, is_lamp ? 0 : s.angle_error),
+                                before = f_at(is_lamp ? -s.angle_error : 0, is_lamp ? 0 : -s.angle_error);
+      for (std::size_t k = 0; k < variance.size(); ++k) {
+        const double slope = 0.5 * (after[k] - before[k]), curvature = after[k] + before[k] - 2 * middle[k];
+        variance[k] += slope * slope + 0.5 * curvature * curvature;
+      }
+    }
+    for (double& v : variance) v = std::sqrt(v);
+    return variance;
+  };
   for (const double phi : plan.azimuths)
     for (const double theta : plan.incident)
       for (int side = 0; side < (plan.transmits ? 2 : 1); ++side) {
@@ -275,6 +287,9 @@ GonioTable measure_scattering(const Bench& bench, const Specimen& specimen, cons
           scene.add_detectors(real);
           const Readings read = scene.read();
           const Calibration calibration(bench, s, lamp, real);
+          const std::vector<double> of_angles = s.angle_error > 0
+                                                    ? angle_errors(theta, phi, nominal, side)
+                                                    : std::vector<double>(nominal.size() * bands);
           for (std::size_t d = 0; d < nominal.size(); ++d) {
             GonioReading reading{theta,
                                  phi,
@@ -290,7 +305,7 @@ GonioTable measure_scattering(const Bench& bench, const Specimen& specimen, cons
                                         table.nm[b]));
               const double detector = std::hypot(s.noise * f.value, s.dark_noise);
               reading.f[b] = f.value + (detector > 0 ? detector * normal_deviate(random) : 0);
-              reading.error[b] = std::hypot(f.error, detector);
+              reading.error[b] = std::hypot(f.error, detector, of_angles[d * bands + b]);
               mean += f.value / double(bands);
             }
             known.push_back(nominal[d]), means.push_back(mean);
@@ -307,12 +322,6 @@ GonioTable measure_scattering(const Bench& bench, const Specimen& specimen, cons
           if (left > 0) measure(steepest_directions(known, means, round == 0 ? (left + 1) / 2 : left));
         }
       }
-  // Uncertainty of f from that of the angles, by the slope over the nearest reading of equal incidence.
-  if (s.angle_error > 0)
-    table.notes.push_back(fmt::format(
-        "lamp and detectors stand {:g} degrees off their angles (standard deviation); the uncertainties in the table are those of "
-        "detector and tracing",
-        s.angle_error));
   return table;
 }
 
@@ -331,9 +340,38 @@ std::string gonio_table_content(const GonioTable& table) {
   return text;
 }
 
+GonioTable read_gonio_table(const std::string& file) {
+  const ScatteredMeasurements m = read_scattered_measurements(file, false);
+  GonioTable table;
+  table.nm = m.nm;
+  for (std::size_t k = 0; k < m.directions.size(); ++k) {
+    const auto& d = m.directions[k];
+    GonioReading r{d.theta_i, d.phi_i, d.theta_o, d.phi_o, {}, std::vector<double>(m.channels)};
+    for (std::size_t c = 0; c < m.channels; ++c) {
+      r.f.push_back(double(m.values[k * m.channels + c]));
+      if (!m.errors.empty()) r.error[c] = double(m.errors[k * m.channels + c]);
+    }
+    table.readings.push_back(std::move(r));
+  }
+  if (m.errors.empty())
+    table.notes.push_back(file +
+                          ": states no uncertainties; those of the fit are taken relative to each reading");
+  // A single column holds for all wavelengths; three are red, green and blue.
+  if (m.nm.empty())
+    table.nm = m.channels == 3 ? std::vector<double>{450, 550, 650} : std::vector<double>(m.channels, 550);
+  return table;
+}
+
 ReflectanceReport report_reflectances(const Bench& bench, const Specimen& specimen,
-                                      const GoniometerSettings& s) {
+                                      const GoniometerSettings& s, const ReportSettings& asked) {
   check_sizes(s);
+  for (const auto& c : asked.cones)
+    if (!(c[0] >= 0 && c[1] > 0 && c[0] + c[1] <= kHighest && c[2] >= 0 && c[3] > 0 &&
+          c[2] + c[3] <= kHighest))
+      throw Error(fmt::format(
+          "--cones {:g},{:g},{:g},{:g}: cones above the sample are expected, each an angle and a half-angle "
+          "whose sum is at most {:g} degrees",
+          c[0], c[1], c[2], c[3], kHighest));
   ReflectanceReport report;
   // Even light, of which a cosine receiver gets pi times the radiance.
   GonioScenes light(bench, s);
@@ -352,6 +390,27 @@ ReflectanceReport report_reflectances(const Bench& bench, const Specimen& specim
   GonioScenes even(bench, s);
   even.add_specimen(specimen), even.add_even_light(), even.add_receiver(false);
   report.hh = mean_of(even.read(), even_light, 1);
+  if (!asked.light.empty()) {
+    const Image map = light_map(asked.light);
+    GonioScenes arriving(bench, s), scattered(bench, s);
+    arriving.add_light(map), arriving.add_receiver(true);
+    scattered.add_specimen(specimen), scattered.add_light(map), scattered.add_receiver(false);
+    const Readings all = arriving.read();
+    if (!(all.mean(0, 0) > 0)) throw Error("--incident-light: no light arrives from above the sample");
+    report.of_light = mean_of(scattered.read(), all, 1);
+  }
+  for (const auto& c : asked.cones) {
+    GoniometerSettings narrow = s;
+    narrow.detector_angle = c[3];
+    GonioScenes lit(bench, narrow), empty(bench, narrow);
+    lit.add_specimen(specimen), lit.add_lamp(c[0], c[1]), lit.add_detectors({{c[2], 180}});
+    empty.add_lamp(c[0], c[1]), empty.add_diffuser();
+    // The projected solid angle of a cone above the horizon is pi sin^2(half) cos(axis).
+    const double part = std::pow(std::sin(c[3] * kDegree), 2) * std::cos(c[2] * kDegree);
+    const Ratio factor = mean_of(lit.read(), empty.read(), 1);
+    report.cones.push_back(
+        {c[0], c[1], c[2], c[3], {factor.value * part, factor.error * part}, factor.value});
+  }
   for (const auto& [i, o] : {std::pair(0.0, 45.0), {15.0, 45.0}, {15.0, 60.0}, {30.0, 60.0}, {45.0, 75.0}})
     report.pairs.push_back(
         {i, o, f_of_pair(bench, specimen, s, i, o, 180, 0), f_of_pair(bench, specimen, s, o, i, 180, 0)});
@@ -374,6 +433,13 @@ std::string report_text(const ReflectanceReport& r) {
     text += fmt::format("{:>5.0f}    {:.5f} +- {:.5f}    {:.5f} +- {:.5f}\n", a.angle, a.dh.value, a.dh.error,
                         a.hd.value, a.hd.error);
   text += fmt::format("rho_hh   {:.5f} +- {:.5f}\n", r.hh.value, r.hh.error);
+  if (r.of_light)
+    text += fmt::format("of the stated light {:.5f} +- {:.5f} is scattered\n", r.of_light->value,
+                        r.of_light->error);
+  for (const auto& c : r.cones)
+    text += fmt::format(
+        "cone of {:g} degrees at {:g}, viewed in one of {:g} at {:g}: reflectance {:.6g} +- {:.2g}, reflectance factor {:.5f}\n",
+        c.half_i, c.theta_i, c.half_o, c.theta_o, c.reflectance.value, c.reflectance.error, c.factor);
   bool gains = r.hh.value > 1 + 4.5 * r.hh.error;
   for (const auto& a : r.angles)
     gains |= a.dh.value > 1 + 4.5 * a.dh.error + 1e-6 || a.hd.value > 1 + 4.5 * a.hd.error + 1e-6;

@@ -56,6 +56,9 @@ GonioTable measure_scattering(const Bench& bench, const Specimen& specimen,
 
 /// The table as `tabulated` reads it, with standard uncertainties.
 std::string gonio_table_content(const GonioTable& table);
+/// Reads a table of any goniometer, as `tabulated` does, for fits; notes say where it has no uncertainties. Throws Error located at
+/// the line.
+GonioTable read_gonio_table(const std::string& file);
 
 /// Reflectances of a specimen by traced instruments, of one band each: means over the bands.
 struct ReflectanceReport {
@@ -66,6 +69,15 @@ struct ReflectanceReport {
   };
   std::vector<Directional> angles;
   Ratio hh;  ///< hemispherical-hemispherical
+  /// The part of the light of a stated distribution that is scattered into the hemisphere, E_o/E_i.
+  std::optional<Ratio> of_light;
+  /// Light of a cone that is scattered into a cone (biconical reflectance), over the light that arrives.
+  struct Cones {
+    double theta_i, half_i, theta_o, half_o;  ///< angles of the axes and half-angles [degrees]
+    Ratio reflectance;
+    double factor = 0;  ///< over that of a perfect diffuser, sin^2(half_o) cos(theta_o)
+  };
+  std::vector<Cones> cones;
   /// f(i, o) and f(o, i) at pairs of angles in the plane of incidence, on both sides of the normal [1/sr].
   struct Pair {
     double i, o;
@@ -78,8 +90,16 @@ struct ReflectanceReport {
   double anisotropy = 0;
   bool is_isotropic = true;
 };
+struct ReportSettings {
+  /// Radiance of the incident light: pairs of an angle from the normal [degrees] and a radiance, as "0:1, 60:0.5, 90:0.1", linear
+  /// between them; or a picture in latitude and longitude, whose upper half is above the sample; empty: none.
+  std::string light;
+  /// theta_i, half_i, theta_o, half_o of pairs of cones [degrees], the outgoing one at the azimuth of the mirror direction
+  std::vector<std::array<double, 4>> cones;
+};
+/// Throws Error, which begins with the name of an option, for light and cones that are none.
 ReflectanceReport report_reflectances(const Bench& bench, const Specimen& specimen,
-                                      const GoniometerSettings& settings);
+                                      const GoniometerSettings& settings, const ReportSettings& report = {});
 std::string report_text(const ReflectanceReport& report);
 
 }  // namespace aureole

@@ -76,6 +76,14 @@ LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::strin
   return result;
 }
 
+LoadedSpecimen load_specimen_called(const std::string& target, const LoadOptions& options,
+                                    double thickness_m) {
+  const std::size_t mark = target.rfind('#');
+  if (mark == target.npos)
+    throw Error({target, 0, 0}, "name a material of the scene as scene.xml#id, the id of a BSDF or a shape");
+  return load_specimen(target.substr(0, mark), target.substr(mark + 1), options, thickness_m);
+}
+
 Specimen lambertian_standard(double reflectance) {
   return {.name = fmt::format("Lambertian standard of {:g}", reflectance),
           .element = fmt::format(

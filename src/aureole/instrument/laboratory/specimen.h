@@ -43,6 +43,10 @@ struct LoadedSpecimen {
 LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::string& id,
                              const LoadOptions& options, double thickness_m);
 
+/// The specimen of a text scene.xml#id. Throws Error also where it has no id.
+LoadedSpecimen load_specimen_called(const std::string& target, const LoadOptions& options,
+                                    double thickness_m);
+
 /// A Lambertian standard of this reflectance.
 Specimen lambertian_standard(double reflectance);
 /// Black glass of this index of refraction, for gloss.

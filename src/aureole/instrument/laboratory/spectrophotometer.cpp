@@ -9,7 +9,9 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/keyed_random.h"
+#include "aureole/instrument/laboratory/lateral_spread.h"
 #include "aureole/instrument/laboratory/spectrophotometer_scene.h"
+#include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/math/vec.h"
 
 namespace aureole {
@@ -88,6 +90,127 @@ Readings read(const Bench& bench, const InstrumentScene& scene) {
   return all.detectors() > 1 ? all.averaged() : all;
 }
 
+/// Readings of the sample and of what it is compared with, and the factor by band that makes a reflectance of their quotient.
+struct ReadingPair {
+  Readings over, under;
+  std::vector<double> scale;
+};
+
+ReadingPair read_pair(const Bench& bench, const Specimen& specimen, const SpectrophotometerSettings& s,
+                      const SpectrophotometerScenes& scenes, bool by_theory,
+                      std::vector<std::string>& notes) {
+  const MeasuringGeometry& g = s.geometry;
+  const std::size_t n = bench.bands().nm.size();
+  const bool is_diffuse = g.light >= End::sphere && g.view >= End::sphere;
+  // A beam into a collecting sphere is compared with itself on the wall, whose reflectance is known (A. H. Taylor 1935).
+  const bool by_wall =
+      s.method == Method::absolute && !by_theory && !g.transmits && !is_diffuse && g.view >= End::sphere;
+  const double reference = by_wall ? s.wall : s.standard;
+  const Specimen standard = g.transmits ? open_port() : lambertian_standard(reference);
+  double scale = g.transmits ? 1 : reference;
+  const bool is_absolute = s.method == Method::absolute && !g.transmits && !by_wall;
+  if (is_absolute) scale = is_diffuse || !g.has_sphere() ? 1 : kPiD;
+  const bool beside =
+      (s.method == Method::comparison || by_wall) && g.has_sphere() && !g.transmits && !is_diffuse;
+  // The open port is measured with the specular port closed, which would take all of its light. The sphere is brighter then.
+  SpectrophotometerSettings of_standard = s;
+  if (g.transmits && (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
+    of_standard.geometry = measuring_geometry(g.light < End::sphere ? "0:di" : "di:0", true);
+    const SpectrophotometerScenes closed(bench, of_standard);
+    if (!by_theory) scale *= closed.sphere().throughput(0) / scenes.sphere().throughput(0);
+  }
+  const SpectrophotometerScenes standard_scenes(bench, of_standard);
+  if (by_theory) {
+    ReadingPair pair{read(bench, scenes.in_even_light(specimen, Reads::sample)),
+                     read(bench, is_absolute ? scenes.in_even_light(specimen, Reads::irradiance)
+                                             : standard_scenes.in_even_light(standard, Reads::sample)),
+                     std::vector<double>(n, scale)};
+    if (g.view >= End::sphere && g.light < End::sphere)
+      notes.push_back(
+          fmt::format("{} by theory is measured with light and detector exchanged (Helmholtz)", g.name));
+    if (s.method == Method::substitution) {
+      const IntegratingSphere sphere = scenes.sphere();
+      const Readings of_sample = read(bench, scenes.diffuse_reflection(specimen));
+      const Readings of_white = read(bench, scenes.diffuse_reflection(lambertian_standard(1)));
+      for (std::size_t i = 0; i < n; ++i) {
+        const double diffuse = ratio_of(of_sample, 0, of_white, 0, i).value;
+        pair.scale[i] *= sphere.throughput(diffuse) / sphere.throughput(g.transmits ? 0 : s.standard);
+      }
+    }
+    return pair;
+  }
+  const std::vector<double> scales(n, scale);
+  if (is_absolute) {
+    // Rays of a cosine receiver find even light; that of a lamp is told by a perfect diffuser, which has it over pi for radiance.
+    return {read(bench, scenes.instrument(specimen, nullptr, Reads::sample)),
+            read(bench, g.has_sphere() ? scenes.instrument(specimen, nullptr, Reads::irradiance)
+                                       : scenes.instrument(lambertian_standard(1), nullptr, Reads::sample)),
+            scales};
+  }
+  if (beside)
+    return {read(bench, scenes.instrument(specimen, &standard, Reads::sample)),
+            read(bench, scenes.instrument(specimen, &standard, Reads::standard_beside)), scales};
+  if (s.method == Method::comparison && g.has_sphere())
+    notes.push_back(fmt::format("{} has one port: sample and {} take turns (substitution)", g.name,
+                                g.transmits ? "open port" : "standard"));
+  if (s.method == Method::absolute)
+    notes.push_back(fmt::format(
+        "{}, absolute: the open port has the incident flux, to which the transmitted one is compared",
+        g.name));
+  return {read(bench, scenes.instrument(specimen, nullptr, Reads::sample)),
+          read(bench, standard_scenes.instrument(standard, nullptr, Reads::sample)), scales};
+}
+
+/// Values of a traced sphere by its theory as a control: traced over theoretical readings are fitted by c0 + c1 x, where x is the
+/// theoretical value less its mean, and multiply the theoretical values. Errors are those of the jackknife over the replicates, which
+/// leaves out one after the other in all readings (B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, 1982).
+void pool(const ReadingPair& traced, const ReadingPair& theory, std::vector<double>& values,
+          std::vector<double>& errors) {
+  const std::size_t n = traced.scale.size(), replicates = traced.over.replicates();
+  const auto mean_without = [&](const Readings& r, std::size_t left_out, std::size_t band) {
+    double sum = 0;
+    for (std::size_t k = 0; k < replicates; ++k)
+      if (k != left_out) sum += r.at(k, 0, band);
+    return sum;
+  };
+  const auto values_without = [&](std::size_t left_out) {
+    std::vector<double> x(n), out(n);
+    double mean = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double under = mean_without(theory.under, left_out, i);
+      x[i] = theory.scale[i] * (under != 0 ? mean_without(theory.over, left_out, i) / under : 0);
+      mean += x[i] / double(n);
+    }
+    // The sample's traced readings t are c(x) times what theory makes of the standard's, a. Two moments of t - a c(x), whose weights have
+    // no noise of the traced readings, are zero: squares of noisy readings would bias the fit.
+    double spread = 0, a0 = 0, a1 = 0, a2 = 0, t0 = 0, t1 = 0;
+    for (std::size_t i = 0; i < n; ++i) spread += (x[i] - mean) * (x[i] - mean) / double(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!(x[i] > 0)) continue;
+      const double d = x[i] - mean, weight = 1 / x[i], t = mean_without(traced.over, left_out, i),
+                   a = x[i] / traced.scale[i] * mean_without(traced.under, left_out, i);
+      a0 += weight * a, a1 += weight * a * d, a2 += weight * a * d * d, t0 += weight * t,
+          t1 += weight * d * t;
+    }
+    // Without contrast between the bands a line has no slope.
+    const bool has_slope = std::sqrt(spread) > 0.02 * std::abs(mean);
+    double c0 = a0 > 0 ? t0 / a0 : 1, c1 = 0;
+    if (const double determinant = a0 * a2 - a1 * a1; has_slope && determinant > 0)
+      c0 = (t0 * a2 - t1 * a1) / determinant, c1 = (t1 * a0 - t0 * a1) / determinant;
+    for (std::size_t i = 0; i < n; ++i) out[i] = x[i] * (c0 + c1 * (x[i] - mean));
+    return out;
+  };
+  values = values_without(replicates);
+  std::vector<std::vector<double>> parts;
+  for (std::size_t k = 0; k < replicates; ++k) parts.push_back(values_without(k));
+  for (std::size_t i = 0; i < n; ++i) {
+    double mean = 0, squares = 0;
+    for (const auto& p : parts) mean += p[i] / double(replicates);
+    for (const auto& p : parts) squares += (p[i] - mean) * (p[i] - mean);
+    errors[i] = std::sqrt(squares * double(replicates - 1) / double(replicates));
+  }
+}
+
 }  // namespace
 
 std::vector<MeasuringGeometry> measuring_geometries(bool transmission) {
@@ -132,63 +255,43 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
   MeasuredSpectrum m;
   m.nm = bench.bands().nm, m.notes = bench.notes();
   MeasuredSpectrum::Cause tracing{"tracing", std::vector<double>(n)};
-  const Specimen standard = g.transmits ? open_port() : lambertian_standard(s.standard);
-  double scale = g.transmits ? 1 : s.standard;
-  const bool beside = s.method == Method::comparison && g.has_sphere() && !g.transmits &&
-                      !(g.light >= End::sphere && g.view >= End::sphere);
-  std::optional<Readings> over, under;
-  // The open port is measured with the specular port closed, which would take all of its light. The sphere is brighter then.
-  SpectrophotometerSettings of_standard = s;
-  double closed_port = 1;
-  if (g.transmits && (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
-    of_standard.geometry = measuring_geometry(g.light < End::sphere ? "0:di" : "di:0", true);
-    const SpectrophotometerScenes closed(bench, of_standard);
-    if (!s.by_theory) closed_port = closed.sphere().throughput(0) / scenes.sphere().throughput(0);
-  }
-  const SpectrophotometerScenes standard_scenes(bench, of_standard);
-  if (s.by_theory) {
-    over = read(bench, scenes.in_even_light(specimen, Reads::sample));
-    under =
-        read(bench, s.method == Method::absolute ? scenes.in_even_light(specimen, Reads::irradiance)
-                                                 : standard_scenes.in_even_light(standard, Reads::sample));
-    if (g.view >= End::sphere && g.light < End::sphere)
-      m.notes.push_back(
-          fmt::format("{} by theory is measured with light and detector exchanged (Helmholtz)", g.name));
-  } else if (s.method == Method::absolute) {
-    over = read(bench, scenes.instrument(specimen, nullptr, Reads::sample));
-    // Rays of a cosine receiver find even light; that of a lamp is told by a perfect diffuser, which has it over pi for radiance.
-    under = read(bench, g.has_sphere() ? scenes.instrument(specimen, nullptr, Reads::irradiance)
-                                       : scenes.instrument(lambertian_standard(1), nullptr, Reads::sample));
-  } else if (beside) {
-    over = read(bench, scenes.instrument(specimen, &standard, Reads::sample));
-    under = read(bench, scenes.instrument(specimen, &standard, Reads::standard_beside));
+  if (s.is_pooled && !s.by_theory && g.has_sphere()) {
+    const ReadingPair traced = read_pair(bench, specimen, s, scenes, false, m.notes);
+    std::vector<std::string> of_theory;
+    const ReadingPair theory = read_pair(bench, specimen, s, scenes, true, of_theory);
+    pool(traced, theory, m.values, tracing.errors);
   } else {
-    over = read(bench, scenes.instrument(specimen, nullptr, Reads::sample));
-    under = read(bench, standard_scenes.instrument(standard, nullptr, Reads::sample));
-    if (s.method == Method::comparison && g.has_sphere())
-      m.notes.push_back(fmt::format("{} has one port: sample and {} take turns (substitution)", g.name,
-                                    g.transmits ? "open port" : "standard"));
+    if (s.is_pooled)
+      m.notes.push_back("readings are pooled where a sphere is traced; here that has no effect");
+    const ReadingPair pair = read_pair(bench, specimen, s, scenes, s.by_theory, m.notes);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Ratio q = ratio_of(pair.over, 0, pair.under, 0, i);
+      m.values.push_back(pair.scale[i] * q.value), tracing.errors[i] = pair.scale[i] * q.error;
+    }
   }
-  if (s.method == Method::absolute) scale = g.has_sphere() ? kPiD : 1;
-  scale *= closed_port;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Ratio q = ratio_of(*over, 0, *under, 0, i);
-    if (!std::isfinite(q.value))
+  for (std::size_t i = 0; i < n; ++i)
+    if (!std::isfinite(m.values[i]))
       throw Error(fmt::format("{}: the instrument receives no light of its {} at {:g} nm", g.name,
                               s.method == Method::absolute ? "lamp"
                               : g.transmits                ? "open port"
                                                            : "standard",
                               m.nm[i]));
-    m.values.push_back(scale * q.value), tracing.errors[i] = scale * q.error;
-  }
-  if (s.by_theory && s.method == Method::substitution) {
-    const IntegratingSphere sphere = scenes.sphere();
-    const Readings of_sample = read(bench, scenes.diffuse_reflection(specimen));
-    const Readings of_standard = read(bench, scenes.diffuse_reflection(lambertian_standard(1)));
-    for (std::size_t i = 0; i < n; ++i) {
-      const double diffuse = ratio_of(of_sample, 0, of_standard, 0, i).value;
-      const double factor = sphere.throughput(diffuse) / sphere.throughput(g.transmits ? 0 : s.standard);
-      m.values[i] *= factor, tracing.errors[i] *= factor;
+  if (!g.transmits) {
+    // Where a sphere lights or collects, its port bounds the light; the other end, viewed or lit, is a disc within it.
+    const bool collects = g.view >= End::sphere && g.light < End::sphere;
+    const double outer = 0.5 * (g.has_sphere() ? s.port_m : s.lit_m),
+                 inner = 0.5 * (collects                ? s.lit_m
+                                : g.view >= End::sphere ? s.port_m
+                                                        : s.viewed_m);
+    for (const double nm : m.nm)
+      if (const auto diffusion = diffusion_of(specimen, bench.grid(), bench.length_unit_m(), nm))
+        m.edge_loss.push_back(1 - optics::port_part(*diffusion, inner, outer));
+    if (!m.edge_loss.empty()) {
+      const auto [low, high] = std::minmax_element(m.edge_loss.begin(), m.edge_loss.end());
+      m.notes.push_back(fmt::format(
+          "edge loss: diffusion predicts that {:.2g} to {:.2g} % of the light that a wide port would read leaves the "
+          "sample beside the {} of {:g} mm",
+          100 * *low, 100 * *high, g.has_sphere() ? "port" : "lit area", 2e3 * outer));
     }
   }
   m.causes.push_back(tracing);
@@ -197,10 +300,25 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
   return m;
 }
 
+std::vector<double> luminance_weights(const std::vector<double>& nm) {
+  std::vector<double> weights;
+  double sum = 0;
+  const pigment::Observation observer = observe("C", nm);
+  for (const pigment::Xyz& w : observer.weights()) weights.push_back(w[1]), sum += w[1];
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
 Haze measure_haze(const Bench& bench, const Specimen& specimen, SpectrophotometerSettings s, double angle,
                   const std::vector<double>& weights) {
   if (!(angle > 0 && angle <= 10))
     throw Error(fmt::format("haze beyond {:g} degrees: more than 0 and at most 10 is expected", angle));
+  // A beam that is nearly parallel and narrow, as ASTM D1003 asks, unless another one is stated: the usual one is as wide as the port.
+  const SpectrophotometerSettings usual{};
+  // A traced path would meet so small a lamp behind clear glass by chance alone: the sphere is then that of the theory.
+  if (s.lamp_angle == usual.lamp_angle) s.lamp_angle = 0.1, s.by_theory = true;
+  if (s.viewed_m == usual.viewed_m && s.lit_m == usual.lit_m) s.viewed_m = s.lit_m = 2e-3;
+  if (s.distance_m == usual.distance_m) s.distance_m = 1;
   s.specular_angle = angle;
   s.geometry = measuring_geometry("0:di", true);
   const MeasuredSpectrum total = measure_spectrum(bench, specimen, s);
@@ -214,7 +332,9 @@ Haze measure_haze(const Bench& bench, const Specimen& specimen, Spectrophotomete
         scattered2 += std::pow(weights[i] * diffuse.error(i), 2);
   }
   h.total_error = std::sqrt(total2);
-  if (!(h.total > 0)) throw Error("the sample transmits no light, of which haze could be a part");
+  if (!(h.total > 0))
+    throw Error(
+        "no light through the sample was found, of which haze could be a part; more paths, or the sphere by theory, find more");
   h.haze = scattered / h.total;
   h.haze_error = std::sqrt(scattered2 + h.haze * h.haze * total2) / h.total;
   return h;

@@ -31,7 +31,10 @@ struct SpectrophotometerSettings {
   /// How a reading becomes a reflectance: the standard takes the sample's place; both are in the sphere at once; or the
   /// incident irradiance is measured instead (absolute).
   enum class Method { substitution, comparison, absolute } method = Method::comparison;
-  bool by_theory = false;     ///< the sphere in closed form instead of traced
+  bool by_theory = false;  ///< the sphere in closed form instead of traced
+  /// The traced sphere is compared with the theory, whose noise is low, and their quotient is fitted by a line over the reflectance:
+  /// the walls are grey, so that wavelengths differ by the sample alone.
+  bool is_pooled = false;
   double standard = 0.99;     ///< reflectance of the Lambertian standard
   double azimuth = 0;         ///< of the lamp or the detector of 45x, or of the lamp of 8 degrees [degrees]
   double viewed_m = 8e-3;     ///< diameter of the area that the detector views [m]
@@ -60,6 +63,9 @@ struct MeasuredSpectrum {
     std::vector<double> errors;
   };
   std::vector<Cause> causes;  ///< "tracing", "detector", "standard", "wavelength"
+  /// The part of the light that a wide port would read which is lost beside the lit area, by band, as diffusion predicts it
+  /// (`optics::port_part`); empty unless a slab of a homogeneous medium is measured in reflection.
+  std::vector<double> edge_loss;
   /// The sum of all causes' squares under a root.
   double error(std::size_t band) const;
   std::vector<std::string> notes;
@@ -70,8 +76,13 @@ struct MeasuredSpectrum {
 MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
                                   const SpectrophotometerSettings& settings);
 
+/// Weights of bands by luminance under CIE illuminant C for the observer of CIE 1931, whose sum is 1. Throws Error where the
+/// wavelengths do not cover the visible range.
+std::vector<double> luminance_weights(const std::vector<double>& nm);
+
 /// Haze: transmitted light that leaves its direction by more than `angle` [degrees], over all transmitted light (ASTM D1003,
-/// ISO 14782), by luminance.
+/// ISO 14782), by luminance. Where the settings have the usual lamp, lit and viewed area and distance, they become 0.1 degrees,
+/// 2 mm and 1 m, and with the usual lamp the sphere is that of the theory.
 struct Haze {
   double total = 0, haze = 0, total_error = 0, haze_error = 0;
 };

@@ -112,10 +112,6 @@ SpectrophotometerScenes::SpectrophotometerScenes(const Bench& bench, const Spect
     throw Error(fmt::format("the sample of {:g} mm is smaller than the spot of {:g} mm on it",
                             s.sample_m * 1e3, spot * 1e3));
   using Method = SpectrophotometerSettings::Method;
-  if (s.method == Method::absolute && (g.transmits || g.view >= End::sphere))
-    throw Error(fmt::format(
-        "{} has no absolute method: the incident irradiance is measured where one direction is viewed, in reflection",
-        g.name));
   if (s.by_theory && !g.has_sphere())
     throw Error(fmt::format("{} has no sphere, of which a theory could be used", g.name));
 }
@@ -397,7 +393,7 @@ InstrumentScene SpectrophotometerScenes::in_even_light(const Specimen& specimen,
                          : here,
                "sample");
   if (g.transmits || specimen.is_translucent()) add_dark_room(scene);
-  if (g.light >= End::sphere && g.view >= End::sphere) {
+  if (g.light >= End::sphere && g.view >= End::sphere && reads != Reads::irradiance) {
     add_receiver(scene, g.transmits ? -specimen.thickness_m - kGap : kGap, g.transmits, here);
     return scene;
   }

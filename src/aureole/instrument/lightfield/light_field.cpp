@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/instrument/lightfield/light_field.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "aureole/core/error.h"
@@ -20,7 +17,7 @@ struct WeightedView {
 };
 
 /// The views that a picture is made of.
-std::vector<WeightedView> views_for(const LightField& f, double x, double y, double diameter) {
+std::vector<WeightedView> views_for(const LightFieldAxes& f, double x, double y, double diameter) {
   std::vector<WeightedView> views;
   if (diameter > 0) {
     for (int j = 0; j < f.views_y; ++j)
@@ -45,46 +42,32 @@ std::vector<WeightedView> views_for(const LightField& f, double x, double y, dou
 
 }  // namespace
 
-std::array<double, 2> LightField::position(int view_x, int view_y) const {
-  return {aperture_width * ((view_x + 0.5) / views_x - 0.5),
-          aperture_height * ((view_y + 0.5) / views_y - 0.5)};
-}
-
-std::string light_field_axes(const LightField& f) {
-  return fmt::format(
-      "s, t: {} x {} views over {:.9g} x {:.9g}; u, v: {} x {} pixels, width {:.9g} at the distance {:.9g}",
-      f.views_x, f.views_y, f.aperture_width, f.aperture_height, f.width(), f.height(), f.field_width,
-      f.plane_distance);
-}
-
 LightField light_field_of(Image picture, const std::string& axes, const std::string& name) {
-  LightField f;
-  int width = 0, height = 0;
-  if (std::sscanf(axes.c_str(),
-                  "s, t: %d x %d views over %lf x %lf; u, v: %d x %d pixels, width %lf at the distance %lf",
-                  &f.views_x, &f.views_y, &f.aperture_width, &f.aperture_height, &width, &height,
-                  &f.field_width, &f.plane_distance) != 8)
-    throw Error(name + ": is no light field: its header lacks the axes that `aureole lightfield` writes");
-  constexpr int kMostViews = 4096;
-  const auto good = [](double v) { return v > 0 && std::isfinite(v); };
-  if (f.views_x < 1 || f.views_y < 1 || f.views_x > kMostViews || f.views_y > kMostViews || width < 1 ||
-      height < 1 || double(f.views_x) * width != picture.width ||
-      double(f.views_y) * height != picture.height || !good(f.aperture_width) || !good(f.aperture_height) ||
-      !good(f.field_width) || !good(f.plane_distance))
-    throw Error(name + ": the axes of the light field in its header do not fit its " +
-                std::to_string(picture.width) + " x " + std::to_string(picture.height) + " pixels");
-  f.mosaic = std::move(picture);
+  const LightFieldAxes found = parse_light_field_axes(axes, picture.width, picture.height, name);
+  return {found, std::move(picture)};
+}
+
+LightFieldAxes light_field_axes(const Properties& p, int film_width, int film_height) {
+  if (p.type() != "lightfield")
+    throw Error(p.where(),
+                "the sensor is a \"" + p.type() + "\"; a light field needs the sensor \"lightfield\"");
+  LightFieldAxes f;
+  f.views_x = int(p.get_int("views_x", 8)), f.views_y = int(p.get_int("views_y", f.views_x));
+  f.width = film_width / f.views_x, f.height = film_height / f.views_y;
+  f.aperture_width = p.get_float("aperture_width", 1),
+  f.aperture_height = p.get_float("aperture_height", f.aperture_width);
+  f.plane_distance = p.get_float("plane_distance", 1), f.field_width = p.get_float("field_width", 1);
   return f;
 }
 
 Image light_field_picture(const LightField& f, double x, double y, double diameter, double focus) {
   if (!(focus > 0)) throw Error("the distance of focus must be positive");
-  const std::vector<WeightedView> views = views_for(f, x, y, diameter);
+  const std::vector<WeightedView> views = views_for(f.axes, x, y, diameter);
   if (views.empty()) throw Error("no view of the light field lies in this aperture: make it larger");
   const std::size_t channels = f.mosaic.channel_count();
-  Image picture{f.width(), f.height(), f.mosaic.channels, {}, false};
+  Image picture{f.axes.width, f.axes.height, f.mosaic.channels, {}, false};
   picture.pixels.assign(std::size_t(picture.width) * std::size_t(picture.height) * channels, 0.f);
-  const double pixel = f.field_width / f.width(), shift = 1 - f.plane_distance / focus;
+  const double pixel = f.axes.field_width / f.axes.width, shift = 1 - f.axes.plane_distance / focus;
   std::vector<double> sums(channels);
   for (int v = 0; v < picture.height; ++v)
     for (int u = 0; u < picture.width; ++u) {
@@ -92,7 +75,7 @@ Image light_field_picture(const LightField& f, double x, double y, double diamet
       double weights = 0;
       for (const WeightedView& view : views) {
         // The ray from the view's place to the point of the plane in focus that the pixel of a camera at (x, y) shows.
-        const auto place = f.position(view.x, view.y);
+        const auto place = f.axes.position(view.x, view.y);
         const double a = u + (place[0] - x) * shift / pixel, b = v + (place[1] - y) * shift / pixel;
         if (a < -0.5 || b < -0.5 || a > picture.width - 0.5 || b > picture.height - 0.5) continue;
         const double ca = std::clamp(a, 0.0, picture.width - 1.0),

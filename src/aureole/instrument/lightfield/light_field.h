@@ -2,32 +2,25 @@
 // Light fields by two planes: new views and refocused pictures by resampling.
 #pragma once
 
-#include <array>
-#include <map>
 #include <string>
 
 #include "aureole/core/image.h"
+#include "aureole/parameter/lightfield/light_field_axes.h"
+#include "aureole/plugin/properties.h"
 
 namespace aureole {
 
-/// The views of a sensor `lightfield` in one picture, from the top left. Positions are those of a picture: x to the right,
-/// y down, from the middle.
+/// The views of a sensor `lightfield` in one picture.
 struct LightField {
+  LightFieldAxes axes;
   Image mosaic;  ///< linear channels
-  int views_x = 1, views_y = 1;
-  double aperture_width = 0, aperture_height = 0;  ///< of the plane (s, t)
-  double plane_distance = 1, field_width = 1;      ///< of the window in the plane (u, v)
-
-  int width() const { return mosaic.width / views_x; }
-  int height() const { return mosaic.height / views_y; }
-  /// The middle of a view in the plane (s, t).
-  std::array<double, 2> position(int view_x, int view_y) const;
 };
 
-/// The axes of a light field for the header of its EXR ("aureole:lightfield"), and back. The second throws Error, which
-/// `name` begins, where the text is none or does not fit the picture.
-std::string light_field_axes(const LightField& field);
+/// A picture with the axes that its header states. Throws Error as `parse_light_field_axes`.
 LightField light_field_of(Image picture, const std::string& axes, const std::string& name);
+
+/// The axes of a sensor `lightfield` whose film has that size. Throws Error located at another sensor.
+LightFieldAxes light_field_axes(const Properties& sensor, int film_width, int film_height);
 
 /// The picture of a camera with a round synthetic aperture of that diameter about (x, y) of the plane (s, t), in focus at
 /// the distance `focus`: the mean over the views in the aperture, bilinear in (u, v) (Ng 2005, "Fourier slice photography",

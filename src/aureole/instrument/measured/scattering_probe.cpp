@@ -80,6 +80,7 @@ ScatteringProbe::ScatteringProbe(std::shared_ptr<const Bsdf> bsdf, const Spectra
 }
 
 void ScatteringProbe::f(const Vec3& wi, const Vec3& wo, std::vector<double>& out) const {
+  check_stop();
   out.resize(nm_.size());
   for (std::size_t set = 0; set < sets_.size(); ++set) {
     const BsdfContext ctx{sets_[set], point_};

@@ -3,12 +3,14 @@
 // wavelengths, and how far it is reciprocal and conserves energy.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/core/error.h"
 
 namespace aureole {
 
@@ -30,6 +32,11 @@ public:
   void f(const Vec3& wi, const Vec3& wo, std::vector<double>& out) const;
   /// The mean of f over the wavelengths.
   double mean(const Vec3& wi, const Vec3& wo) const;
+  /// Lets a long work end: `f` and the writers throw Error once `stop` is set.
+  void stop_by(const std::atomic<bool>* stop) { stop_ = stop; }
+  void check_stop() const {
+    if (stop_ && *stop_) throw Error("interrupted: nothing is written");
+  }
 
 private:
   std::shared_ptr<const Bsdf> bsdf_;
@@ -39,6 +46,7 @@ private:
   std::vector<Wavelengths> sets_;
   SurfacePoint point_;
   bool make_reciprocal_;
+  const std::atomic<bool>* stop_ = nullptr;
 };
 
 /// Faults of a BSDF as a table: they are reported, never repaired unless the user asks for it.

@@ -51,16 +51,29 @@ public:
     // Line ends are kept, so that offsets in an element are offsets in the file.
     const pugi::xml_parse_result result = document_.load_buffer(
         text_.data(), text_.size(), pugi::parse_default & ~pugi::parse_eol, pugi::encoding_utf8);
-    if (!result) fail(result.offset, std::string("not well-formed: ") + result.description());
+    if (!result)
+      fail(result.offset, std::string("not well-formed: ") + result.description() +
+                              "; right would be elements that all end, as in <Tag Name=\"Backing\" "
+                              "Value=\"0\"/> or <L>74</L>");
     const pugi::xml_node root = document_.document_element();
-    if (local_name(root) != "CxF") fail(root, "expected the element CxF");
+    if (local_name(root) != "CxF")
+      fail(root,
+           "expected the element CxF; a line that would be right:\n    <cc:CxF "
+           "xmlns:cc=\"http://colorexchangeformat.com/CxF3-core\">");
     for (const pugi::xml_node& s : descendants(root, "ColorSpecification")) {
       const auto ranges = descendants(s, "WavelengthRange");
       if (!ranges.empty()) ranges_.emplace(s.attribute("Id").value(), ranges.front());
       instruments_.emplace(s.attribute("Id").value(), instrument_of(s));
     }
     for (const pugi::xml_node& o : descendants(root, "Object")) read_object(o);
-    if (table_.samples.empty()) fail(root, "there is no object with a reflectance or transmittance spectrum");
+    if (table_.samples.empty())
+      fail(
+          root,
+          "there is no object with a reflectance or transmittance spectrum; lines that would be right:\n    " +
+              element(root, "Object Name=\"ochre\" Id=\"1\"",
+                      element(root, "ColorValues",
+                              element(root, "ReflectanceSpectrum ColorSpecification=\"CS\" StartWL=\"400\"",
+                                      "0.40 0.45 0.50"))));
     scale_per_cent();
   }
   pigment::SampleTable take() { return std::move(table_); }
@@ -74,26 +87,43 @@ private:
     // the offset of pugixml points behind the bracket
     fail(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0), message);
   }
+  /// An element with this start tag and content, with the namespace prefix of another element, as a file would have it.
+  static std::string element(const pugi::xml_node& like, const std::string& start,
+                             const std::string& content) {
+    const std::string name = like.name(),
+                      prefix = name.substr(0, name.find(':') == name.npos ? 0 : name.find(':') + 1);
+    const std::string end = start.substr(0, start.find(' '));
+    return "<" + prefix + start + (content.empty() ? "/>" : ">" + content + "</" + prefix + end + ">");
+  }
+  static std::string right_line(const std::string& line) {
+    return "; a line that would be right:\n    " + line;
+  }
+
   std::pair<int, int> place(std::ptrdiff_t offset) const {
     const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), offset);
     const std::ptrdiff_t start = end == line_ends_.begin() ? 0 : *(end - 1) + 1;
     return {int(end - line_ends_.begin()) + 1, int(offset - start) + 1};
   }
 
-  double number(const pugi::xml_node& node, std::string_view text, const char* what) const {
+  /// Reads a number; `right` is a text that would be right.
+  double number(const pugi::xml_node& node, std::string_view text, const char* what,
+                const std::string& right) const {
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
     const auto value = pigment::finite_number(text);
-    if (!value) fail(node, fmt::format("{}: expected a number, got \"{}\"", what, text));
+    if (!value) fail(node, fmt::format("{}: expected a number, got \"{}\"", what, text) + right_line(right));
     return *value;
   }
 
   /// Returns an attribute of the spectrum, or else of the wavelength range of its colour specification.
   std::optional<double> range_value(const pugi::xml_node& spectrum, const char* name) const {
-    if (const auto a = spectrum.attribute(name)) return number(spectrum, a.value(), name);
+    if (const auto a = spectrum.attribute(name))
+      return number(spectrum, a.value(), name, fmt::format("{}=\"{}\"", name, name[0] == 'S' ? 400 : 10));
     const auto range = ranges_.find(spectrum.attribute("ColorSpecification").value());
     if (range == ranges_.end()) return {};
-    if (const auto a = range->second.attribute(name)) return number(range->second, a.value(), name);
+    if (const auto a = range->second.attribute(name))
+      return number(range->second, a.value(), name,
+                    element(range->second, "WavelengthRange StartWL=\"400\" Increment=\"10\"", ""));
     return {};
   }
 
@@ -115,22 +145,29 @@ private:
             table_.notes.push_back(note);
         }
       }
+    const std::string right_angles = right_line(element(
+        specification, "SingleAngle",
+        element(specification, "IlluminationAngle", "45") + element(specification, "MeasurementAngle", "0")));
     for (const pugi::xml_node& single : descendants(specification, "SingleAngle")) {
       const auto angle = [&](const char* name) {
         const auto found = descendants(single, name);
-        if (found.empty()) fail(single, fmt::format("SingleAngle needs {}", name));
-        return number(found.front(), found.front().text().get(), name);
+        if (found.empty()) fail(single, fmt::format("SingleAngle needs {}", name) + right_angles);
+        return number(found.front(), found.front().text().get(), name,
+                      element(single, name, name[0] == 'I' ? "45" : "0"));
       };
       const double lit = angle("IlluminationAngle"), seen = angle("MeasurementAngle");
       if ((lit == 45 && seen == 0) || (lit == 0 && seen == 45))
         result.geometry = "45_0", result.specular = "excluded";
       else
         fail(single,
-             fmt::format("light from {:g} and measurement at {:g} degrees: expected 45 and 0", lit, seen));
+             fmt::format("light from {:g} and measurement at {:g} degrees: expected 45 and 0", lit, seen) +
+                 right_angles);
     }
     for (const pugi::xml_node& multiple : descendants(specification, "MultiAngle"))
       fail(multiple,
-           "measurements at several angles are of surfaces that vary with angle, which no paint here does");
+
+           "measurements at several angles are of surfaces that vary with angle, which no paint here does" +
+               right_angles);
     for (const pugi::xml_node& aperture : descendants(specification, "Aperture"))
       result.aperture = aperture.text().get();
     return result;
@@ -219,31 +256,49 @@ private:
       } else if (name == "specimen") {
         s.specimen = value;
       } else if (name == "thickness_um") {
-        s.thickness = 1e-6 * number(tag, value, "the tag thickness_um");
-        if (!(s.thickness > 0)) fail(tag, "the tag thickness_um must be positive, got " + value);
+        s.thickness = 1e-6 * number(tag, value, "the tag thickness_um", right_tag(tag, "24"));
+        if (!(s.thickness > 0))
+          fail(tag, "the tag thickness_um must be positive, got " + value +
+                        right_line(right_tag(tag, value.starts_with('-') ? value.substr(1) : "24")));
       }
     }
     try {
-      if (!recipe.empty()) s.paints = pigment::parse_recipe(recipe);
+      if (s.is_named_recipe)
+        s.paints = pigment::recipe_of_name(recipe, table_.notes);
+      else if (!recipe.empty())
+        s.paints = pigment::parse_recipe(recipe);
     } catch (const std::domain_error& e) {
-      fail(object, e.what());
+      fail(object, std::string(e.what()) +
+                       right_line(element(object, "Tag Name=\"Paints\" Value=\"red: 1 + white: 3\"", "")));
     }
-    if (s.name.empty()) fail(object, "the object has neither a name nor an Id");
+    if (s.name.empty())
+      fail(object, "the object has neither a name nor an Id" +
+                       right_line("<" + std::string(object.name()) +
+                                  " ObjectType=\"Standard\" Name=\"ochre\" Id=\"1\">"));
     read_values(spectrum, s);
     const auto start = range_value(spectrum, "StartWL"), step = range_value(spectrum, "Increment");
-    if (!start) fail(spectrum, "the spectrum has no StartWL, nor has its ColorSpecification");
+    if (!start)
+      fail(spectrum,
+           "the spectrum has no StartWL, nor has its ColorSpecification" + right_line(right_range(spectrum)));
     if (!step)
       fail(spectrum,
-           "the spectrum has no Increment: neither it nor a WavelengthRange of its ColorSpecification says");
-    if (!(*step > 0)) fail(spectrum, fmt::format("Increment must be positive, got {:g}", *step));
+           "the spectrum has no Increment: neither it nor a WavelengthRange of its ColorSpecification says" +
+               right_line(right_range(spectrum)));
+    if (!(*step > 0))
+      fail(spectrum,
+           fmt::format("Increment must be positive, got {:g}", *step) + right_line(right_range(spectrum)));
     std::vector<double> nm;
     for (std::size_t i = 0; i < s.values.size(); ++i) nm.push_back(*start + *step * double(i));
     if (table_.nm.empty()) table_.nm = nm;
     if (nm != table_.nm)
-      fail(spectrum,
-           fmt::format("the spectrum of \"{}\" has {} values from {:g} nm in steps of {:g}; all need the "
-                       "wavelengths of the first",
-                       s.name, nm.size(), *start, *step));
+      fail(
+          spectrum,
+          fmt::format("the spectrum of \"{}\" has {} values from {:g} nm in steps of {:g}; all need the "
+                      "wavelengths of the first",
+                      s.name, nm.size(), *start, *step) +
+              fmt::format(
+                  "; right would be {} values from {:g} nm{}", table_.nm.size(), table_.nm.front(),
+                  table_.nm.size() > 1 ? fmt::format(" in steps of {:g}", table_.nm[1] - table_.nm[0]) : ""));
     compare_instruments(spectrum, s);
     table_.samples.push_back(std::move(s));
   }
@@ -252,10 +307,35 @@ private:
     // The values are joined from several text nodes, since a comment within the numbers splits their text.
     for (const pugi::xml_node& text : spectrum.children()) {
       if (text.type() != pugi::node_pcdata && text.type() != pugi::node_cdata)
-        fail(text, fmt::format("expected numbers, got the element {}", text.name()));
+
+        fail(text, fmt::format("expected numbers, got the element {}", text.name()) +
+                       right_line(element(spectrum, right_spectrum(spectrum), "0.40 0.45 0.50")));
       read_numbers(text, s);
     }
-    if (s.values.empty()) fail(spectrum, "the spectrum has no values");
+    if (s.values.empty())
+      fail(spectrum, "the spectrum has no values" +
+                         right_line(element(spectrum, right_spectrum(spectrum), "0.40 0.45 0.50")));
+  }
+
+  static std::string right_tag(const pugi::xml_node& tag, const std::string& value) {
+    return element(tag, fmt::format("Tag Name=\"{}\" Value=\"{}\"", tag.attribute("Name").value(), value),
+                   "");
+  }
+  static std::string right_range(const pugi::xml_node& spectrum) {
+    return element(spectrum, "WavelengthRange StartWL=\"400\" Increment=\"10\"", "");
+  }
+  /// The start tag of a spectrum like this one, without brackets and prefix.
+  static std::string right_spectrum(const pugi::xml_node& spectrum) {
+    std::string start(local_name(spectrum));
+    for (const pugi::xml_attribute& a : spectrum.attributes())
+      start += fmt::format(" {}=\"{}\"", a.name(), a.value());
+    return start;
+  }
+  /// A number in the place of a word: with a point where the word has a comma, or else the value before it.
+  static std::string right_number(std::string word, const std::vector<double>& before) {
+    std::replace(word.begin(), word.end(), ',', '.');
+    if (pigment::finite_number(word)) return word;
+    return before.empty() ? "0.40" : fmt::format("{:g}", before.back());
   }
 
   void read_numbers(const pugi::xml_node& text, pigment::Sample& s) const {
@@ -265,7 +345,9 @@ private:
       const std::size_t end = std::min(all.find_first_of(" \t\r\n", at), all.size());
       const std::string word = all.substr(at, end - at);
       const auto value = pigment::finite_number(word);
-      if (!value) fail(begin + std::ptrdiff_t(at), "expected a number, got \"" + word + "\"");
+      if (!value)
+        fail(begin + std::ptrdiff_t(at),
+             "expected a number, got \"" + word + "\"; right would be " + right_number(word, s.values));
       const auto [line, column] = place(begin + std::ptrdiff_t(at));
       s.values.push_back(*value), s.columns.push_back(line == s.line ? column : 0);
       at = end;

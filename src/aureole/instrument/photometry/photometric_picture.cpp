@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 
 #include "aureole/core/error.h"
 #include "aureole/instrument/report/svg_plot.h"
@@ -16,12 +17,31 @@
 
 namespace aureole {
 
+namespace {
+
+bool is_photometric_unit(const std::string& unit) {
+  static const char* const kUnits[] = {
+      "cd/m^2",       "nit",         "kcd/m^2",    "fL",    "lx",      "klx",  "fc",
+      "cd",           "kcd",         "W/(m^2 sr)", "W/m^2", "mW/cm^2", "W/sr", "umol/(s m^2 sr)",
+      "umol/(s m^2)", "umol/(s sr)", "J/(m^2 sr)", "J/m^2", "J/sr",    "lx s", "cd s/m^2",
+      "cd s",         "umol/m^2"};
+  return std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits) || is_unit_of_flux(unit);
+}
+
+}  // namespace
+
+bool has_photometric_unit(const std::string& channels_attribute) {
+  std::istringstream lines(channels_attribute);
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t comma = line.rfind(", "); comma != line.npos &&
+                                                    is_photometric_unit(line.substr(comma + 2)) &&
+                                                    !line.starts_with("X:") && !line.starts_with("Z:"))
+      return true;
+  return false;
+}
+
 PhotometricMap photometric_map(const Image& picture, const std::string& channels_attribute,
                                const std::string& name) {
-  static const char* const kUnits[] = {
-      "cd/m^2",      "nit", "kcd/m^2",    "fL",    "lx",      "klx",  "fc",
-      "cd",          "kcd", "W/(m^2 sr)", "W/m^2", "mW/cm^2", "W/sr", "umol/(s m^2 sr)",
-      "umol/(s m^2)"};
   for (std::size_t c = 0; c < picture.channels.size(); ++c) {
     const std::string meaning = channel_meaning(channels_attribute, picture.channels[c]);
     const std::size_t comma = meaning.rfind(", ");
@@ -29,7 +49,7 @@ PhotometricMap photometric_map(const Image& picture, const std::string& channels
         picture.channels[c] == "Z")
       continue;
     const std::string unit = meaning.substr(comma + 2);
-    if (std::find(std::begin(kUnits), std::end(kUnits), unit) == std::end(kUnits)) continue;
+    if (!is_photometric_unit(unit)) continue;
     // Text of the header before the unit, as in "CIE 1931 XYZ; Y is luminance, cd/m^2".
     constexpr std::string_view kIs = "; Y is ";
     const std::size_t is = meaning.find(kIs), begin = is == std::string::npos ? 0 : is + kIs.size();
@@ -44,6 +64,12 @@ PhotometricMap photometric_map(const Image& picture, const std::string& channels
       "or illuminance for a power map, with pixel_format luminance or xyz");
 }
 
+bool is_unit_of_flux(const std::string& unit) {
+  static const char* const kUnits[] = {"W", "mW", "kW",   "lm",   "klm", "umol/s",
+                                       "J", "mJ", "lm s", "lm h", "umol"};
+  return std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits);
+}
+
 MapStatistics map_statistics(const PhotometricMap& map, const MapRegion& r) {
   if (r.x < 0 || r.y < 0 || r.width < 1 || r.height < 1 || r.x + r.width > map.width ||
       r.y + r.height > map.height)
@@ -56,7 +82,7 @@ MapStatistics map_statistics(const PhotometricMap& map, const MapRegion& r) {
       if (std::isfinite(map.at(x, y))) values.push_back(map.at(x, y)), sum += map.at(x, y);
   if (values.empty()) throw Error("the region has no finite values");
   MapStatistics s;
-  s.count = values.size(), s.mean = sum / double(values.size());
+  s.count = values.size(), s.sum = sum, s.mean = sum / double(values.size());
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   s.min = *least, s.max = *most;
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);

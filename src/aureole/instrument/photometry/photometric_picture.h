@@ -27,6 +27,12 @@ struct PhotometricMap {
 PhotometricMap photometric_map(const Image& picture, const std::string& channels_attribute,
                                const std::string& name);
 
+/// Whether a channel of the header has a unit that `photometric_map` knows.
+bool has_photometric_unit(const std::string& channels_attribute);
+
+/// Whether values of the cells add up: units of power and energy, such as "lm" and "J".
+bool is_unit_of_flux(const std::string& unit);
+
 /// A part of a map, in cells.
 struct MapRegion {
   int x = 0, y = 0, width = 0, height = 0;
@@ -35,6 +41,7 @@ struct MapRegion {
 /// Statistics over a region, of its finite values.
 struct MapStatistics {
   std::size_t count = 0;
+  double sum = 0;  ///< of power or energy: that through the region
   double mean = 0, min = 0, max = 0, median = 0;
   double uniformity() const {
     return mean > 0 ? min / mean : 0;

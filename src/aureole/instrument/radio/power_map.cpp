@@ -213,14 +213,18 @@ double parse_power_w(const std::string& text) {
   };
   constexpr Unit kUnits[] = {{"mW", 1e-3}, {"kW", 1e3}, {"W", 1}, {"", 1}};
   double watts = 0;
-  if (text.ends_with("dBm")) {
-    watts = 1e-3 * std::pow(10, parse_number(text.substr(0, text.size() - 3)) / 10);
-  } else {
-    for (const auto& [name, factor] : kUnits)
-      if (text.ends_with(name)) {
-        watts = factor * parse_number(text.substr(0, text.size() - std::string(name).size()));
-        break;
-      }
+  try {
+    if (text.ends_with("dBm")) {
+      watts = 1e-3 * std::pow(10, parse_number(text.substr(0, text.size() - 3)) / 10);
+    } else {
+      for (const auto& [name, factor] : kUnits)
+        if (text.ends_with(name)) {
+          watts = factor * parse_number(text.substr(0, text.size() - std::string(name).size()));
+          break;
+        }
+    }
+  } catch (const Error&) {  // another unit, or no number
+    watts = 0;
   }
   if (!(watts > 0 && std::isfinite(watts)))
     throw Error("\"" + text + "\" is no positive power: write \"2\", \"2W\", \"500mW\" or \"33dBm\"");

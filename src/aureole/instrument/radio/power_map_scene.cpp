@@ -100,6 +100,7 @@ PowerMapSource power_map_source(const PowerMapSettings& a) {
   PowerMapSource source;
   LoadOptions& load = source.load;
   load.defines = a.defines;
+  load.tables = a.tables;
   const bool has_segments = a.diffraction_model == "segments";  // finds more of a lamp's light by `path`
   load.integrator = has_segments && a.integrator.empty() ? "path" : a.integrator;
   if (a.max_depth && *a.max_depth < -1)
@@ -110,6 +111,8 @@ PowerMapSource power_map_source(const PowerMapSettings& a) {
     load.integrator_parameters.push_back({"boolean", "diffraction", "true"});
   if (!a.diffraction_model.empty())
     load.integrator_parameters.push_back({"string", "diffraction_model", a.diffraction_model});
+  if (!a.polarisation.empty())
+    load.integrator_parameters.push_back({"string", "diffraction_polarisation", a.polarisation});
   if (a.plane.empty()) {
     for (const auto& [option, given] :
          {std::pair("--size", !a.size.empty()), std::pair("--normal", !a.normal.empty()),

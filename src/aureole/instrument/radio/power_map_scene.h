@@ -22,11 +22,13 @@ struct PowerMapSettings {
   std::optional<int> max_depth;
   bool diffraction = false;
   std::string diffraction_model;
+  std::string polarisation;           ///< `diffraction_polarisation` of the integrator; empty: the scene's
   std::vector<double> plane, normal;  ///< centre and normal (default: z) of a map on a plane; three numbers
   std::vector<double> size;           ///< width and height of the plane, in the scene's units
   std::vector<double> transmitters;   ///< isotropic transmitters of 1 W, three numbers each
   std::string frequency;              ///< such as "3.5GHz"
   double cell = 0;                    ///< side of a cell of the plane; 0: 200 cells along the longer side
+  std::shared_ptr<TableCache> tables = {};  ///< cache of the scene's tables; null: none
 };
 
 /// Where a scene comes from: a file, or a text that is read as the content of a file.

@@ -19,11 +19,11 @@ using Json = nlohmann::ordered_json;
 constexpr double kLargestSphereSpread = 0.7;  // largest spread that `correlated_spheres` accepts
 constexpr double kMinSpread = 0.02;  // smallest relative deviation of radii that a picture can resolve
 
-Json json(const Estimate& e, double unit = 1) {
+Json as_json(const Estimate& e, double unit = 1) {
   return {{"value", e.value / unit}, {"low", e.low / unit}, {"high", e.high / unit}};
 }
 
-Json json(const Microstructure::Curve& c, double confidence) {
+Json as_json(const Microstructure::Curve& c, double confidence) {
   Json low = Json::array(), high = Json::array();
   for (size_t i = 0; i < c.x.size(); ++i) {
     low.push_back(std::max(c.value[i] - confidence * c.error[i], 0.0));
@@ -46,17 +46,17 @@ std::string name_of(ScattererKind kind) {
 Json result(const Microstructure& m) {
   Json j;
   j["confidence"] = 0.95;
-  j["area_fraction"] = json(m.area_fraction);
-  j["covered_fraction"] = json(m.shape_fraction);
-  j["number_density_per_mm2"] = json(m.density, 1e6);
-  j["correlation_radius_um"] = json(m.correlation_radius, 1e-6);
+  j["area_fraction"] = as_json(m.area_fraction);
+  j["covered_fraction"] = as_json(m.shape_fraction);
+  j["number_density_per_mm2"] = as_json(m.density, 1e6);
+  j["correlation_radius_um"] = as_json(m.correlation_radius, 1e-6);
   j["correlation_radius_given"] = m.correlation_radius_given;
   j["onset_width"] = m.onset_width, j["onset_height"] = m.onset_height;
   Json r;
-  r["mean_um"] = json(m.mean_radius, 1e-6), r["deviation_um"] = json(m.deviation, 1e-6);
-  r["log_normal_sigma"] = json(m.log_deviation);
+  r["mean_um"] = as_json(m.mean_radius, 1e-6), r["deviation_um"] = as_json(m.deviation, 1e-6);
+  r["log_normal_sigma"] = as_json(m.log_deviation);
   for (size_t i = 0; i < m.quantiles.size(); ++i)
-    r["quantiles_um"][fmt::format("{:.2f}", kQuantiles[i])] = json(m.quantiles[i], 1e-6);
+    r["quantiles_um"][fmt::format("{:.2f}", kQuantiles[i])] = as_json(m.quantiles[i], 1e-6);
   j["radius"] = r;
   j["shape"] = {{"round", m.round},         {"circularity", m.circularity},     {"aspect", m.aspect},
                 {"alignment", m.alignment}, {"orientation_deg", m.orientation}, {"symmetry", m.symmetry}};
@@ -76,8 +76,8 @@ Json result(const Microstructure& m) {
                       {"blur_pixels", f.blur}});
   j["fields"] = fields;
   j["blocks"] = m.blocks;
-  j["pair_correlation"] = json(m.pair_correlation, 1.96);
-  j["structure_factor"] = json(m.structure_factor, 1.96);
+  j["pair_correlation"] = as_json(m.pair_correlation, 1.96);
+  j["structure_factor"] = as_json(m.structure_factor, 1.96);
   j["scatterer"] = name_of(m.scatterer);
   j["choices"] = m.choices;
   j["notes"] = m.notes;

@@ -107,14 +107,19 @@ public:
     const State& s = states_[i];
     if (s.emission_counted || is_black(radiance) || !techniques_.have(0, s.depth + 2)) return;
     Spectrum all = s.density.r_u;
-    // No connection finds a light that the sensor sees directly.
+    const Vec3& d = s.segment.ray.d;
+    const std::size_t part = point ? light.part_of(*point) : 0;
+    // Light that the sensor sees directly is found by light sampling at receivers alone, apart from its rays.
+    if (const Receiver* receiver = path(i).receiver; s.depth == 0 && receiver) {
+      if (const float pdf = receiver->pdf(d); pdf > 0)
+        all += s.density.r_l * (light_density(scene_, s.from, light, part, point, d) / pdf);
+    }
     if (s.depth > 0) {
-      const Vec3& d = s.segment.ray.d;
-      const std::size_t part = point ? light.part_of(*point) : 0;
       const float cosine = point ? std::abs(dot(point->ng, d)) : 1.f;
       all += techniques_.others(
           s.density.r_l * light_density(scene_, s.from, light, part, point, d) +
-          s.density.earlier * (emission_density(scene_, light, part, point, -d) * safe_inverse(cosine)));
+          s.density.earlier *
+              (emission_density(scene_, light, part, point, -d, wavelengths(i).time) * safe_inverse(cosine)));
     }
     const Spectrum estimate = s.density.seen(radiance) / (wavelengths(i).pdf * sum(all));
     path(i).result.estimate += estimate;
@@ -130,29 +135,30 @@ private:
     if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.depth + 2)) return false;
     if (!vertex.is_surface() && !scene_.lights_reach(*s.segment.medium)) return false;
     Path& p = path(i);
-    return connect_to_light(scene_, vertex, s.segment, s.arrived.beta,
-                            scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
-                            get(s.pairs, Pair::connection), p.wavelengths,
-                            key(p.samples, s.vertex, Stream::connection), out,
-                            [&](const LightChoice& choice, const DirectSample& direct, const auto& response,
-                                Spectrum& own, Spectrum& other) {
-                              SurfacePoint emitting;
-                              emitting.p = direct.p, emitting.ng = direct.ng;
-                              // The pdf of a light path to the vertex, with its position on the light per
-                              // solid angle as seen from here.
-                              const bool has_shape = choice.light->shape;
-                              float emission = emission_density(scene_, *choice.light, choice.part,
-                                                                has_shape ? &emitting : nullptr, -direct.wo);
-                              if (has_shape)
-                                emission *= safe_inverse(std::abs(dot(direct.ng, direct.wo)));
-                              else if (!direct.infinite)
-                                emission *= safe_inverse(length_squared(direct.p - vertex.p()));
-                              own = s.arrived.r_u * (choice.probability * direct.pdf);
-                              other = s.arrived.others(vertex.reverse_pdf(direct.wo)) *
-                                      vertex.density_across(direct.wo) * emission;
-                              if (!direct.delta) other += s.arrived.r_u * response.pdf;
-                              other = techniques_.others(other);
-                            });
+    return connect_to_light(
+        scene_, vertex, s.segment, s.arrived.beta,
+        scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
+        get(s.pairs, Pair::connection), p.wavelengths, key(p.samples, s.vertex, Stream::connection), out,
+        [&](const LightChoice& choice, const DirectSample& direct, const auto& response, Spectrum& own,
+            Spectrum& other) {
+          SurfacePoint emitting;
+          emitting.p = direct.p, emitting.ng = direct.ng;
+          emitting.time = p.wavelengths.time;
+          // The pdf of a light path to the vertex, with its position on the light per
+          // solid angle as seen from here.
+          const bool has_shape = choice.light->shape;
+          float emission = emission_density(scene_, *choice.light, choice.part,
+                                            has_shape ? &emitting : nullptr, -direct.wo, p.wavelengths.time);
+          if (has_shape)
+            emission *= safe_inverse(std::abs(dot(direct.ng, direct.wo)));
+          else if (!direct.infinite)
+            emission *= safe_inverse(length_squared(direct.p - vertex.p()));
+          own = s.arrived.r_u * (choice.probability * direct.pdf);
+          other =
+              s.arrived.others(vertex.reverse_pdf(direct.wo)) * vertex.density_across(direct.wo) * emission;
+          if (!direct.delta) other += s.arrived.r_u * response.pdf;
+          other = techniques_.others(other);
+        });
   }
 
   bool connect_with_vertex(int i, const LightVertex<L>& end, Connection& out) {

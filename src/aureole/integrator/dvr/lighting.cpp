@@ -13,13 +13,6 @@ namespace {
 /// Largest number of delta lights that are all sampled; among more lights one is chosen for each sample.
 constexpr std::size_t kMaxSampled = 8;
 
-bool samples_all(const Scene& scene) {
-  const auto& lights = scene.emitters();
-  return lights.size() <= kMaxSampled && std::all_of(lights.begin(), lights.end(), [](const Light& l) {
-           return l.is_delta() && l.part_count() == 1;
-         });
-}
-
 /// Whether a surface that is not null lies between a point in space and another one at a distance along `d`, or infinitely
 /// far away. The surface of the light itself, at the end, does not count.
 bool is_occluded(const Scene& scene, const Vec3& p, const Vec3& d, float distance) {
@@ -31,25 +24,40 @@ bool is_occluded(const Scene& scene, const Vec3& p, const Vec3& d, float distanc
 
 }  // namespace
 
+bool VolumeLighting::samples_all_lights(const Scene& scene) {
+  const auto& lights = scene.emitters();
+  return lights.size() <= kMaxSampled && std::all_of(lights.begin(), lights.end(), [](const Light& l) {
+           return l.is_delta() && l.part_count() == 1;
+         });
+}
+
 float VolumeLighting::transmittance(const Ray& ray, float length, float step) const {
+  constexpr double kOpaque =
+      16;  // optical thickness behind which nothing is counted, a transmittance of 1e-7
   double thickness = 0;
   for (const ClassifiedMedium* medium : media_) {
     float begin = 0, end = length;
     medium->clip(ray, begin, end);
     if (!(end > begin)) continue;
-    medium->majorants().visit_segments(ray, end, [&](const MajorantSegment& s) {
-      const float from = std::max(s.begin, begin), to = std::min(s.end, end);
-      if (!(to > from)) return false;
-      const int count = std::max(1, int(std::ceil(std::min((to - from) / step, 1e6f))));
-      const float ds = (to - from) / float(count);
-      double sum = 0;
-      for (int k = 0; k < count; ++k) {
-        const Vec3 p = ray.o + ray.d * (from + (float(k) + 0.5f) * ds);
-        sum += double(medium->classify(p, medium->field().value(p)).extinction);
-      }
-      thickness += sum * double(ds);
-      return false;
+    const Classification& classification = medium->classification();
+    const TransferFunction* const function = classification.only_function();
+    medium->field().along(ray, [&](const auto& value_at) {
+      medium->majorants().visit_segments(ray, end, [&](const MajorantSegment& s) {
+        const float from = std::max(s.begin, begin), to = std::min(s.end, end);
+        if (!(to > from)) return false;
+        const int count = std::max(1, int(std::ceil(std::min((to - from) / step, 1e6f))));
+        const float ds = (to - from) / float(count);
+        float sum = 0;
+        for (int k = 0; k < count; ++k) {
+          const float t = from + (float(k) + 0.5f) * ds, value = value_at(t);
+          sum +=
+              function ? function->extinction(value) : classification.at(ray.o + ray.d * t, value).extinction;
+        }
+        thickness += double(sum) * double(ds);
+        return thickness > kOpaque;
+      });
     });
+    if (thickness > kOpaque) return 0;
   }
   return float(std::exp(-thickness));
 }
@@ -57,7 +65,7 @@ float VolumeLighting::transmittance(const Ray& ray, float length, float step) co
 template <class Visit>
 void VolumeLighting::visit_lights(const Vec3& p, bool shadows, const Visit& visit) {
   if (scene_.lights().empty()) return;
-  const bool all = samples_all(scene_);
+  const bool all = samples_all_lights(scene_);
   const std::size_t count = all ? scene_.emitters().size() : 1;
   for (std::size_t k = 0; k < count; ++k) {
     LightChoice choice{nullptr, 0, 1};

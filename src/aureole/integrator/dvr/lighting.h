@@ -19,6 +19,9 @@ public:
                  const DvrSettings& settings, const Path& path, const Spectrum& d65, KeyedRandom& random)
       : scene_(scene), media_(media), settings_(settings), path_(path), d65_(d65), random_(random) {}
 
+  /// Whether each point is shaded by all lights, without random numbers: few lights, at points or infinitely far away.
+  static bool samples_all_lights(const Scene& scene);
+
   /// Radiance towards the sensor of a point with the given colour and gradient, per unit of its opacity, by
   /// Levoy's shading. Without a gradient only the ambient term remains.
   Spectrum shaded(const ClassifiedMedium& medium, const Vec3& p, const Spectrum& color, const Vec3& gradient);

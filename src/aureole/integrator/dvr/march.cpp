@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/integrator/dvr/cell_roots.h"
+#include "aureole/transport/dimensions.h"
 
 namespace aureole {
 
@@ -28,12 +28,10 @@ int divide_into_steps(float interval, float& length) {
 }
 
 VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* const> media,
-                         const DvrSettings& settings, const Path& path, float length, const Spectrum& d65,
-                         std::uint32_t key)
+                         const DvrSettings& settings, const Path& path, float length,
+                         const SampledSpectrum& d65, std::uint32_t key)
     : settings_(settings),
       ray_(path.ray),
-      d65_(d65),
-      basis_(path.wavelengths.nm),
       random_(key),
       lighting_(scene, media, settings, path, d65_, random_) {
   length_ = length = std::min(length, ray_.t_max);
@@ -47,7 +45,21 @@ VolumeMarch::VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* c
   float first = kInfinity;
   for (const ClassifiedMedium* medium : media)
     if (clip(begin, end, medium)) first = std::min(first, begin);
-  if (first == kInfinity) return;
+  if (first == kInfinity) {
+    if (settings.method == Method::xray) d65_ = d65.eval(path.wavelengths);
+    return;
+  }
+  if (settings.jitter) {
+    // The R2 sequence over the pixels (M. Roberts 2018), in units of 2^-32, or a random number for each pixel.
+    constexpr std::uint32_t kRight = 0xc13fa9a9u, kDown = 0x91e10da5u;
+    const std::uint32_t shift = settings.interleaves
+                                    ? std::uint32_t(std::int32_t(std::floor(path.film.x))) * kRight +
+                                          std::uint32_t(std::int32_t(std::floor(path.film.y))) * kDown
+                                    : path.samples.pixel_bits(int(Stream::volume_march));
+    phase_ = path.samples.spread(shift);
+  }
+  d65_ = d65.eval(path.wavelengths);
+  basis_ = ColorBasis(path.wavelengths.nm);
   // The march begins a little before the media, since this distance is rounded.
   shift_ = std::max(0.f, first - std::abs(first) * 1e-6f);
   for (int k = 0; k < 3; ++k) ray_.o[k] = float(double(ray_.o[k]) + double(ray_.d[k]) * double(shift_));
@@ -144,7 +156,7 @@ void VolumeMarch::add(Part& part, float a, float b, float offset, Step& step) {
 VolumeResult VolumeMarch::composite(float length) {
   if (is_one_) return composite_one(length);
   VolumeResult result;
-  const float offset = settings_.jitter ? random_.next() : 0.5f;
+  const float offset = phase_;
   const bool is_forward = settings_.order == DvrSettings::Order::front_to_back;
   const bool is_weighted = settings_.form == DvrSettings::Form::opacity_weighted;
   const bool is_taylor = settings_.alpha == DvrSettings::Alpha::taylor;
@@ -221,63 +233,6 @@ VolumeResult VolumeMarch::integrate() {
     coarse = fine;
   }
   return coarse;
-}
-
-VolumeResult VolumeMarch::project() {
-  VolumeResult result;
-  const Part& part = parts_.front();
-  const ScalarField& field = part.medium->field();
-  float length = settings_.step;
-  const int count = divide_into_steps(part.end - part.begin, length);
-  const float offset = settings_.jitter ? random_.next() : 0.5f;
-  const bool is_mip = settings_.method == Method::mip;
-  result.value = is_mip ? -kInfinity : 0;
-  double sum = 0;
-  result.lookups = float(count);
-  for (int k = 0; k < count; ++k) {
-    const float a = part.begin + float(k) * length,
-                b = k + 1 == count ? part.end : std::min(part.begin + float(k + 1) * length, part.end);
-    const float t = a + offset * (b - a), value = field.value(at(t));
-    sum += double(value) * double(b - a);
-    if (is_mip && value > result.value) result.value = value, result.depth = t;
-  }
-  if (!is_mip)
-    result.value = float(sum / double(part.end - part.begin)), result.depth = 0.5f * (part.begin + part.end);
-  const Sample s = part.medium->classify(at(result.depth), result.value);
-  result.depth += shift_;
-  result.optical_thickness = s.extinction * part.medium->unit();
-  cover(result, basis_.eval(s.color) * d65_ * part.medium->emission_scale(),
-        -std::expm1(-result.optical_thickness));
-  return result;
-}
-
-VolumeResult VolumeMarch::isosurfaces() {
-  VolumeResult result;
-  std::vector<CellRoot> roots;
-  for (const Part& part : parts_) {
-    float passed = 1;
-    find_isosurfaces(part.medium->field(), ray_, part.begin, part.end, settings_.isovalues,
-                     [&](const CellRoot& root) {
-                       roots.push_back({root.t, root.value, part.medium});
-                       const Sample s = part.medium->classification().surface(at(root.t), root.value);
-                       passed *= 1 - part.medium->layer_opacity(s.extinction);
-                       return passed > settings_.termination;
-                     });
-  }
-  std::stable_sort(roots.begin(), roots.end(),
-                   [](const CellRoot& a, const CellRoot& b) { return a.t < b.t; });
-  for (const CellRoot& root : roots) {
-    const ClassifiedMedium& medium = *root.medium;
-    const Sample sample = medium.classification().surface(at(root.t), root.value);
-    cover(result, color_at(medium, at(root.t), sample), medium.layer_opacity(sample.extinction));
-    result.optical_thickness += sample.extinction * medium.unit();
-    if (result.depth == 0) result.depth = shift_ + root.t, result.value = root.value;
-    if (result.transmittance < settings_.termination) {
-      result.transmittance = 0;
-      break;
-    }
-  }
-  return result;
 }
 
 }  // namespace aureole

@@ -3,6 +3,7 @@
 // absorption.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -25,11 +26,19 @@ struct VolumeResult {
   float lookups = 0;
 };
 
-/// Opacity of an optical thickness, 1 - exp(-t), by its series where that has float's precision.
+/// Opacity of an optical thickness t >= 0, 1 - exp(-t), to some units in the last place: exp(-t) is 2^n exp(r) with
+/// |r| <= log(2) / 2, and expm1(r) is its series.
 inline float opacity_of(float t) {
-  if (!(t < 0.25f)) return -std::expm1(-t);
-  return t * (1 - t * (1.f / 2) *
-                      (1 - t * (1.f / 3) * (1 - t * (1.f / 4) * (1 - t * (1.f / 5) * (1 - t * (1.f / 6))))));
+  constexpr float kLargest = 80, kLog2 = 1.44269504f, kHigh = 0.693359375f, kLow = -2.12194440e-4f;
+  const float x = t < kLargest ? -t : -kLargest;
+  const int n = int(x * kLog2 - 0.5f);  // rounds to the nearest integer, since x is not positive
+  const float r = (x - float(n) * kHigh) - float(n) * kLow;
+  const float series =
+      r +
+      r * r *
+          (1.f / 2 + r * (1.f / 6 + r * (1.f / 24 + r * (1.f / 120 + r * (1.f / 720 + r * (1.f / 5040))))));
+  const float power = std::bit_cast<float>((n + 127) << 23);
+  return -(power * series + (power - 1));
 }
 /// Number of steps of `length` in an interval, of which the last may be shorter. Makes the steps longer if
 /// there were too many.
@@ -37,9 +46,9 @@ int divide_into_steps(float interval, float& length);
 
 class VolumeMarch {
 public:
-  /// Follows `path.ray` up to the distance `length`. `d65` has the path's wavelengths.
+  /// Follows `path.ray` up to the distance `length`.
   VolumeMarch(const Scene& scene, std::span<const ClassifiedMedium* const> media, const DvrSettings& settings,
-              const Path& path, float length, const Spectrum& d65, std::uint32_t key);
+              const Path& path, float length, const SampledSpectrum& d65, std::uint32_t key);
 
   /// Distance along the ray at which the last medium ends; 0 if the ray misses all media.
   float end() const { return parts_.empty() ? 0 : shift_ + end_; }
@@ -95,11 +104,12 @@ private:
   const DvrSettings& settings_;
   Ray ray_;          ///< ray that begins at the first medium, so that distances along it are precise
   float shift_ = 0;  ///< distance from the origin of the sensor's ray to the origin of `ray_`
-  const Spectrum d65_;
+  Spectrum d65_;     ///< at the path's wavelengths; set, as `basis_`, where the ray hits a medium
   ColorBasis basis_;
   KeyedRandom random_;
   VolumeLighting lighting_;
   std::vector<Part> parts_;
+  float phase_ = 0.5f;         ///< position of the samples in their steps, from 0 to 1
   float begin_ = 0, end_ = 0;  ///< first and last distance of the media along `ray_`
   bool is_one_ = false;        ///< whether `composite_one` composites the ray
   float length_ = 0;           ///< length of the sensor's ray up to a surface

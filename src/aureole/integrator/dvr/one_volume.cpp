@@ -18,7 +18,7 @@ VolumeResult VolumeMarch::composite_one(float length) {
              is_xray = settings_.method == DvrSettings::Method::xray;
   const bool is_lit =
       settings_.gradient_lighting || settings_.method == DvrSettings::Method::single_scattering;
-  const float offset = settings_.jitter ? random_.next() : 0.5f;
+  const float offset = phase_;
   const int count = divide_into_steps(end_ - begin_, length);
   const float termination = settings_.termination;
   /// The sums along the ray. Each segment works on a copy of them in registers.
@@ -30,7 +30,8 @@ VolumeResult VolumeMarch::composite_one(float length) {
   } sums;
   medium.field().along(ray_, [&](const auto& value_at) {
     /// Composites the step from a to b. Returns whether the ray ends. `starts_at_last`: the last step ended at a.
-    const auto take_step = [&](Sums& s, float a, float b, bool starts_at_last) {
+    const auto take_step = [&](Sums & s, float a, float b, bool starts_at_last)
+        __attribute__((always_inline)) {
       const float middle = a + offset * (b - a);
       Sample sample;
       float value;
@@ -108,14 +109,61 @@ VolumeResult VolumeMarch::composite_one(float length) {
       next = k, sums = s;
       return is_over;
     };
+    // As `follow_segment`, for the most frequent settings: all steps but the last one of the ray have one length.
+    const bool is_plain = function && !is_preintegrated && !is_lit;
+    const auto follow_plain_segment = [&](float from, float to) {
+      Sums s = sums;
+      const auto line = value_at;
+      const float begin = begin_, part_of_step = offset * length;
+      bool is_over = false;
+      int k = std::max(next, int((from - begin) / length));
+      if (begin + float(k + 1) * length <= from) ++k;
+      for (; k + 1 < count && !is_over; ++k) {
+        const float a = begin + float(k) * length;
+        if (a >= to) break;
+        const float value = line(a + part_of_step);
+        ++s.lookups;
+        const Sample sample = function->at(value);
+        if (!(sample.extinction > 0)) continue;
+        // Both ends are multiples of the length, so that steps add up to the ray.
+        const float step = sample.extinction * (begin + float(k + 1) * length - a),
+                    opacity = opacity_of(step), before = s.transmittance, part_of_light = opacity * before;
+        s.light.white += part_of_light * sample.color.white, s.light.red += part_of_light * sample.color.red;
+        s.light.green += part_of_light * sample.color.green,
+            s.light.blue += part_of_light * sample.color.blue;
+        s.transmittance = before - part_of_light, s.thickness += step;
+        if (before > 0.5f && s.transmittance <= 0.5f) {
+          result.transmittance = s.transmittance;
+          note_half(result, before, value, a + 0.5f * length);
+        }
+        is_over = s.transmittance < termination;
+      }
+      if (is_over) s.transmittance = 0;
+      next = k, sums = s;
+      return is_over || (k + 1 == count && begin + float(k) * length < to && follow_segment(from, to));
+    };
+    const auto follow_part = [&](float from, float to) {
+      return is_plain ? follow_plain_segment(from, to) : follow_segment(from, to);
+    };
     if (!settings_.skip_empty) {
-      follow_segment(part.begin, part.end);
+      follow_part(part.begin, part.end);
       return;
     }
+    // Blocks that follow each other are composited together, some at a time, since a ray may end early.
+    constexpr int kMostBlocks = 8;
+    float from = 0, to = 0;
+    int blocks = 0;
+    bool is_over = false;
     medium.majorants().visit_segments(ray_, part.end, [&](const MajorantSegment& s) {
-      const float from = std::max(s.begin, part.begin), to = std::min(s.end, part.end);
-      return to > from && follow_segment(from, to);
+      const float block_begin = std::max(s.begin, part.begin), block_end = std::min(s.end, part.end);
+      if (!(block_end > block_begin)) return false;
+      if (blocks > 0 && (block_begin > to || blocks == kMostBlocks))
+        is_over = follow_part(from, to), blocks = 0;
+      if (blocks == 0) from = block_begin;
+      to = block_end, ++blocks;
+      return is_over;
     });
+    if (!is_over && blocks > 0) follow_part(from, to);
   });
   result.transmittance = sums.transmittance, result.optical_thickness = sums.thickness;
   result.lookups = float(sums.lookups);

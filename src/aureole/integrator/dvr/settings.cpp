@@ -36,6 +36,7 @@ DvrSettings DvrSettings::read(const Properties& p) {
   s.sheets = p.get_choice("sheets", "axis", {"axis", "image"}) == "image" ? Sheets::image : Sheets::axis;
   s.kernel_width = float(p.get_float("kernel_width", 0.6, {0.3, 3}));
   s.jitter = p.get_bool("jitter", false);
+  s.interleaves = p.get_choice("jitter_pattern", "random", {"random", "interleaved"}) == "interleaved";
   s.skip_empty = p.get_bool("skip_empty", true);
   s.step = float(p.get_float("step", 0, Range::non_negative()));
   s.termination = float(p.get_float("termination", 1e-3, {0, 0.5}));
@@ -107,6 +108,8 @@ DvrSettings DvrSettings::read(const Properties& p) {
     s.preintegrated = true;
   }
   if (s.method == single_scattering) s.jitter = true;
+  if (p.has("jitter_pattern") && !s.jitter)
+    throw p.error("jitter_pattern", "has no effect without <boolean name=\"jitter\" value=\"true\"/>");
   if (s.method == xray) s.termination = 0;
   // The adaptive integral leaves out less light than its tolerance, and finds narrow functions.
   if (s.method == emission_absorption)
@@ -141,7 +144,11 @@ std::vector<ParameterDoc> DvrSettings::rows() {
       {"step_opacity", "float", "", "0.02",
        "largest part of the light from behind that a step by_opacity can absorb"},
       {"jitter", "boolean", "", "false",
-       "samples lie at a random place of their steps, the same one along a ray, instead of the middle"},
+       "samples lie at a random place of their steps, the same one along a ray, instead of the middle; the places of the samples "
+       "of a pixel are spread evenly"},
+      {"jitter_pattern", "string", "", "random",
+       "random: the places of each pixel are shifted at random; interleaved: by the R2 sequence over the pixels, so that errors of "
+       "neighbouring pixels cancel (Keller & Heidrich 2001), the same pattern for every seed"},
       {"skip_empty", "boolean", "", "true",
        "blocks of the volume that are transparent are skipped, which does not change the picture"},
       {"termination", "float", "", "0.001",

@@ -37,6 +37,7 @@ struct DvrSettings {
   Sheets sheets;
   Steps steps;
   bool preintegrated, jitter, skip_empty;
+  bool interleaves;   ///< whether the phases of jitter follow a pattern of pixels; else they are random
   float step;         ///< length of a step in world space; 0: half of the smallest distance between voxels
   float termination;  ///< transmittance below which the rest of a ray is left out; 0: never
   /// tolerance of emission_absorption, relative to the light of the ray, and of adaptive steps

@@ -54,7 +54,11 @@ public:
     if (has_media()) line_steps_.emplace(in.scene, *this);
   }
 
-  void start(int i) { this->begin_at_sensor(i); }
+  void start(int i) {
+    this->begin_at_sensor(i);
+    // Light sampling at a receiver finds no emission of media.
+    if constexpr (kAny) states_[i].emission_share = path(i).receiver ? 0.f : 1.f;
+  }
 
   // Next-event estimation: k = 0 a light, k = 1 a medium that emits.
   int connection_count(int) const { return media_ ? 2 : 1; }
@@ -71,11 +75,13 @@ public:
       }
     if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
     Path& p = path(i);
-    return connect_to_light(scene_, vertex, s.segment, s.density,
-                            scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
-                            get(s.pairs, Pair::connection), p.wavelengths, {},
-                            has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out,
-                            r_equiangular);
+    if (!connect_to_light(scene_, vertex, s.segment, s.density,
+                          scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
+                          get(s.pairs, Pair::connection), p.wavelengths, {},
+                          has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out, r_equiangular))
+      return false;
+    out.others_go_behind = true;
+    return true;
   }
   void connected(int i, int k, const Connection& c, bool open) {
     if (open) path(i).result.estimate += c.estimate();

@@ -93,6 +93,15 @@ ClassifiedMedium::ClassifiedMedium(const Properties& p)
     p.note(
         "phase",
         "the phase function has no effect: the medium emits its colour and scatters no light (\"color_is\")");
+  if (!color_emits_ && p.has("emission_scale"))
+    p.note("emission_scale",
+           "\"emission_scale\" has no effect: the colour is an albedo, and the medium emits no light");
+  if (p.has("opacity_unit_length") && p.has("extinction") && !p.has("opacity") && !p.has("preset") &&
+      !p.has("boxes") && !p.has("triangles") && !p.has("table"))
+    p.note(
+        "opacity_unit_length",
+        "\"opacity_unit_length\" does not change \"extinction\", which is per unit of length of the scene; it is the layer whose opacity "
+        "the methods isosurface, mip and average of \"dvr\" show");
   if (!color_emits_ && p.has("sampling_weight"))
     p.note("sampling_weight", "has no effect: the colour is an albedo, and the medium emits no light");
   if (phase_->largest_projected_area() != 1)
@@ -148,6 +157,7 @@ void ClassifiedMedium::clip(const Ray& ray, float& begin, float& end) const {
     keep(o[k] + 0.5f, d[k]);
     keep(float(field_.size()[std::size_t(k)]) - 0.5f - o[k], -d[k]);
   }
+  if (!(end > begin)) return;
   for (const Plane& plane : planes_) keep(dot(plane.n, ray.o) - plane.d, dot(plane.n, ray.d));
 }
 

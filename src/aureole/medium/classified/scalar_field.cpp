@@ -10,7 +10,10 @@ namespace aureole {
 
 ScalarField::ScalarField(const Volume& volume)
     : to_box_(volume.to_box().value_or(Transform())), size_(volume.resolution()) {
-  for (std::size_t k = 0; k < 3; ++k) padded_[k] = std::max(size_[k], 2);
+  for (std::size_t k = 0; k < 3; ++k) {
+    padded_[k] = std::max(size_[k], 2);
+    last_[k] = float(padded_[k] - 1), last_cell_[k] = padded_[k] - 2;
+  }
   const auto& m = to_box_.matrix();
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t c = 0; c < 4; ++c) rows_[r][c] = float(m[r][c] * size_[r] - (c == 3 ? 0.5 : 0.0));

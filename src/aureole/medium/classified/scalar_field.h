@@ -20,6 +20,10 @@ namespace aureole {
 /// Numbers at the centres of size[0] * size[1] * size[2] equal voxels that fill the box [0, 1]^3 of `to_box`, linear
 /// along each axis between centres, and constant between the outermost centres and the faces of the box.
 class ScalarField {
+  using Pair = float __attribute__((vector_size(2 * sizeof(float))));
+  using Lanes = float __attribute__((vector_size(4 * sizeof(float))));
+  using IntLanes = std::int32_t __attribute__((vector_size(4 * sizeof(std::int32_t))));
+
 public:
   /// Takes the numbers that the volume has stored; those of another volume with a box are evaluated at the centres of
   /// its voxels and stored as float32.
@@ -55,8 +59,8 @@ public:
 
   float value_at_index(const Vec3& i) const {
     std::ptrdiff_t at;
-    float t[3];
-    locate(i, at, t);
+    Lanes t;
+    locate(lanes(i), at, t);
     switch (type_) {
       case ScalarType::float32:
         return interpolated<float>(at, t);
@@ -76,11 +80,11 @@ public:
   class Line {
   public:
     Line(const ScalarField& field, const Ray& ray)
-        : field_(field), o_(field.index_of(ray.o)), d_(field.index_vector(ray.d)) {}
+        : field_(field), o_(lanes(field.index_of(ray.o))), d_(lanes(field.index_vector(ray.d))) {}
     /// The field's value at a distance from the ray's origin.
     float operator()(float distance) const {
       std::ptrdiff_t at;
-      float t[3];
+      Lanes t;
       field_.locate(o_ + d_ * distance, at, t);
       const float stored = field_.interpolated<T>(at, t);
       if constexpr (std::is_same_v<T, float>)
@@ -91,7 +95,7 @@ public:
 
   private:
     const ScalarField& field_;
-    Vec3 o_, d_;  ///< origin and direction of the ray in units of voxels
+    Lanes o_, d_;  ///< origin and direction of the ray in units of voxels
   };
   /// Returns f(line) with the `Line` of a ray, for loops that are compiled for each type.
   template <class F>
@@ -107,16 +111,16 @@ public:
   std::vector<std::array<float, 2>> ranges(const std::array<int, 3>& cells) const;
 
 private:
-  void locate(const Vec3& i, std::ptrdiff_t& at, float t[3]) const {
-    at = 0;
-    for (int k = 0; k < 3; ++k) {
-      // A NaN coordinate becomes 0.
-      const float last = float(padded_[std::size_t(k)] - 2);
-      const float c = i[k] > 0 ? (i[k] < last + 1 ? i[k] : last + 1) : 0.f;
-      const int cell = c < last ? int(c) : padded_[std::size_t(k)] - 2;
-      t[k] = c - float(cell);
-      at += cell * stride_[k];
-    }
+  static Lanes lanes(const Vec3& v) { return Lanes{v.x, v.y, v.z, 0}; }
+  /// Finds the cell between voxel centres that holds a point, in units of voxels: the offset of its first voxel and the position
+  /// within it along each axis.
+  void locate(Lanes i, std::ptrdiff_t& at, Lanes& t) const {
+    i = i > 0 ? i : Lanes{};  // A NaN coordinate becomes 0.
+    i = i < last_ ? i : last_;
+    IntLanes cell = __builtin_convertvector(i, IntLanes);
+    cell = cell < last_cell_ ? cell : last_cell_;
+    t = i - __builtin_convertvector(cell, Lanes);
+    at = cell[0] * stride_[0] + cell[1] * stride_[1] + cell[2] * stride_[2];
   }
   /// The stored value at an offset, counted in values; it need not be aligned.
   template <class T>
@@ -125,15 +129,22 @@ private:
     std::memcpy(&number, numbers_ + at * std::ptrdiff_t(sizeof(T)), sizeof(T));
     return float(number);
   }
+  /// Two stored values that lie `stride_[0]` apart, in lanes 0 and 1.
   template <class T>
-  float interpolated(std::ptrdiff_t at, const float t[3]) const {
-    const auto mix = [](float a, float b, float s) { return a + s * (b - a); };
-    const auto square = [&](std::ptrdiff_t v) {
-      const std::ptrdiff_t w = v + stride_[1];
-      return mix(mix(loaded<T>(v), loaded<T>(v + stride_[0]), t[0]),
-                 mix(loaded<T>(w), loaded<T>(w + stride_[0]), t[0]), t[1]);
-    };
-    return mix(square(at), square(at + stride_[2]), t[2]);
+  Pair loaded_pair(std::ptrdiff_t at) const {
+    if (stride_[0] != 1) return Pair{loaded<T>(at), loaded<T>(at + stride_[0])};
+    T numbers[2];
+    std::memcpy(numbers, numbers_ + at * std::ptrdiff_t(sizeof(T)), sizeof(numbers));
+    return Pair{float(numbers[0]), float(numbers[1])};
+  }
+  template <class T>
+  float interpolated(std::ptrdiff_t at, const Lanes& t) const {
+    const Pair near = loaded_pair<T>(at), near_above = loaded_pair<T>(at + stride_[1]),
+               far = loaded_pair<T>(at + stride_[2]),
+               far_above = loaded_pair<T>(at + stride_[1] + stride_[2]);
+    const Pair below = near + t[2] * (far - near), above = near_above + t[2] * (far_above - near_above);
+    const Pair row = below + t[1] * (above - below);
+    return row[0] + t[0] * (row[1] - row[0]);
   }
   float scaled(float stored) const {
     return is_scaled_ ? float(slope_ * double(stored) + intercept_) : stored;
@@ -162,6 +173,8 @@ private:
 
   Transform to_box_, from_index_;
   std::array<int, 3> size_;
+  Lanes last_{};               ///< index of the last centre, of an axis of at least two
+  IntLanes last_cell_{};       ///< index of the last cell between two centres
   std::array<int, 3> padded_;  ///< as `size_`, but at least two: a single layer is read twice
   /// distance between neighbours along each axis, counted in values; 0 along an axis of one layer
   std::ptrdiff_t stride_[3];

@@ -171,14 +171,15 @@ TransferFunction::TransferFunction(const Curve& extinction, const Curve& color) 
     // An interval so narrow that its inverse overflows counts as a jump.
     if (const float inverse = 1 / width; width > 0 && inverse < kInfinity) nodes_[i].inverse_width = inverse;
   }
-  first_ = nodes_.front().value;
+  first_ = nodes_.front().value, last_interval_ = nodes_.size() - 2;
   const float last = nodes_.back().value;
   scale_ = last > first_ ? float(kBuckets) / (last - first_) : 0.f;
   starts_.resize(kBuckets);
   std::size_t i = 0;
   for (std::size_t k = 0; k < kBuckets; ++k) {
-    // Starts one bucket early, so that rounding of a value's bucket never skips a node.
-    const float begin = first_ + (float(k) - 1) * (last - first_) / float(kBuckets);
+    // Starts a little early, so that rounding of a value's bucket never skips a node.
+    const double begin =
+        double(first_) + (double(k) - 0.02) * (double(last) - double(first_)) / double(kBuckets);
     while (i + 2 < nodes_.size() && nodes_[i + 1].value <= begin) ++i;
     starts_[k] = std::uint32_t(i);
   }

@@ -34,13 +34,14 @@ void note_limited_opacity(const Properties& properties, const char* name);
 /// The basis spectra that `ColorWeights` weight, at the wavelengths of one path.
 class ColorBasis {
 public:
+  ColorBasis() = default;  ///< without colours: grey alone
   explicit ColorBasis(const Spectrum& nm);
   Spectrum eval(const ColorWeights& c) const {
     return Spectrum(c.white) + red_ * c.red + green_ * c.green + blue_ * c.blue;
   }
 
 private:
-  Spectrum red_, green_, blue_;
+  Spectrum red_{0.f}, green_{0.f}, blue_{0.f};
 };
 
 class TransferFunction {
@@ -78,6 +79,12 @@ public:
 
   /// Extinction and colour at a value; at a jump they are those of larger values.
   Sample at(float value) const { return at_in(interval(value), value); }
+  /// The extinction of `at`.
+  float extinction(float value) const {
+    const std::size_t i = interval(value);
+    const Node* const nodes = nodes_.data();
+    return nodes[i].extinction + fraction_in(i, value) * (nodes[i + 1].extinction - nodes[i].extinction);
+  }
   /// The mean extinction over the values between `a` and `b`, and the mean colour weighted by the extinction:
   /// for a short segment along which the value changes linearly from `a` to `b` (Engel, Kraus & Ertl 2001,
   /// "High-quality pre-integrated volume rendering using hardware-accelerated pixel shading", section 3, by
@@ -89,16 +96,22 @@ public:
   const std::vector<Node>& nodes() const { return nodes_; }
 
 private:
-  static float clamped(float t) { return t < 0 ? 0.f : t > 1 ? 1.f : t; }
+  static float clamped(float t) {
+    t = t > 0 ? t : 0.f;
+    return t < 1 ? t : 1.f;
+  }
   static ColorWeights mixed(const ColorWeights& a, const ColorWeights& b, float t) {
     return {a.white + t * (b.white - a.white), a.red + t * (b.red - a.red), a.green + t * (b.green - a.green),
             a.blue + t * (b.blue - a.blue)};
   }
   /// Index of the last node whose value is not above `value`, at most the last but one; 0 below all nodes.
   std::size_t interval(float value) const {
-    const float at = (value - first_) * scale_;
-    std::size_t i = at > 0 ? starts_[at < float(kBuckets - 1) ? std::size_t(at) : kBuckets - 1] : 0;
-    while (i + 2 < nodes_.size() && nodes_[i + 1].value <= value) ++i;
+    float at = (value - first_) * scale_;
+    at = at > 0 ? at : 0.f;  // A NaN becomes 0.
+    at = at < float(kBuckets - 1) ? at : float(kBuckets - 1);
+    std::size_t i = starts_[std::size_t(int(at))];
+    const Node* const nodes = nodes_.data();
+    while (i < last_interval_ && nodes[i + 1].value <= value) ++i;
     return i;
   }
   struct Integral {
@@ -108,11 +121,16 @@ private:
     /// Adds the integral over an interval along which extinction and colour are linear.
     void add(const Sample& from, const Sample& to, double width);
   };
+  /// Position of a value between the nodes i and i + 1, from 0 to 1, where i is its `interval`.
+  float fraction_in(std::size_t i, float value) const {
+    const Node& a = nodes_.data()[i];
+    return a.inverse_width > 0 ? clamped((value - a.value) * a.inverse_width) : float(value >= a.value);
+  }
   /// Extinction and colour at a value whose `interval` is i.
   Sample at_in(std::size_t i, float value) const {
-    const Node &a = nodes_[i], &b = nodes_[i + 1];
-    const float t =
-        a.inverse_width > 0 ? clamped((value - a.value) * a.inverse_width) : float(value >= a.value);
+    const Node* const nodes = nodes_.data();
+    const Node &a = nodes[i], &b = nodes[i + 1];
+    const float t = fraction_in(i, value);
     return {a.extinction + t * (b.extinction - a.extinction), mixed(a.color, b.color, t)};
   }
   /// The integral from the first node to a value whose `interval` is i; `end` is the function there.
@@ -123,6 +141,7 @@ private:
   std::vector<Integral> integrals_;  ///< integral from the first node to each node
   RangeMaximum extinctions_;         ///< extinctions of the nodes
   std::vector<std::uint32_t> starts_;
+  std::size_t last_interval_ = 0;  ///< index of the last interval between two nodes
   float first_ = 0, scale_ = 0, max_extinction_ = 0;
 };
 

@@ -28,6 +28,12 @@ struct MixtureTables {
   /// Largest estimated error over the wavelengths of the absorption by particles, relative to that absorption
   /// or to 1e-4 of the extinction, whichever is larger.
   double absorption_error = 0;
+
+  static constexpr TableKind kTable{"mixture of particles", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.extinction, self.scattering, self.phase, self.absorption_error);
+  }
 };
 
 MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit,

@@ -12,7 +12,6 @@ namespace aureole {
 
 RadianceMedium::RadianceMedium(const Properties& p)
     : Medium(p),
-      is_encoded_(p.get_choice("color_space", "srgb", {"srgb", "linear"}) == "srgb"),
       emission_scale_(float(p.get_float("emission_scale", 1, Range::non_negative()))),
       sampling_weight_(float(p.get_float("sampling_weight", 0, Range::non_negative()))),
       d65_(d65_spectrum(p.context().grid, 1)),
@@ -20,9 +19,11 @@ RadianceMedium::RadianceMedium(const Properties& p)
   const std::filesystem::path file = p.get_file("filename");
   const Transform to_world = p.get_transform("to_world");
   const float scale = float(p.get_float("extinction_scale", 1, Range::positive()));
+  const std::string colors = p.get_choice("color_space", "file", {"file", "srgb", "linear"});
   try {
     auto voxels = std::make_shared<const RadianceVoxels>(read_radiance_voxels(file));
     for (const std::string& note : voxels->notes) p.note("filename", "\"" + file.string() + "\" " + note);
+    is_encoded_ = colors == "file" ? !voxels->is_linear : colors == "srgb";
     auto field = std::make_unique<const RadianceField>(std::move(voxels), to_world, scale);
     float along = 0;
     for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
@@ -67,11 +68,14 @@ AUREOLE_PLUGIN(
         "Fridovich-Keil, Yu and others 2022, \"Plenoxels: radiance fields without neural networks\"; Mildenhall and others 2020, "
         "\"NeRF: representing scenes as neural radiance fields for view synthesis\"",
         {{"filename", "file", "", "required",
-          "archive of numpy (.npz) with the arrays of Plenoxels: links, density_data, sh_data, radius, center"},
+          "archive of numpy (.npz) with the arrays of Plenoxels: links, density_data, sh_data, radius, center; or OpenVDB (.vdb) or "
+          "NanoVDB (.nvdb) with the numbers \"density\" and the vectors \"sh_0\", \"sh_1\", ..., coefficients of harmonics, or \"color\" "
+          "or \"Cd\", linear colours"},
          {"to_world", "transform", "", "identity",
           "from the coordinates of the grid to the world; densities are per length of the grid's coordinates"},
-         {"color_space", "string", "", "srgb",
-          "of the grid's colours: srgb, encoded as the photographs that it was fitted to, or linear"},
+         {"color_space", "string", "", "file",
+          "of the grid's colours: srgb, encoded as the photographs that it was fitted to; linear; file: linear for \"color\" and \"Cd\" "
+          "of OpenVDB, else srgb"},
          {"emission_scale", "float", "", "1", "factor of the emitted light"},
          {"extinction_scale", "float", "", "1", "factor of the density"},
          {"sampling_weight", "float", "", "0",

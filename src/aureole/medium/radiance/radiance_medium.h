@@ -33,7 +33,7 @@ public:
   float emission_scale() const { return emission_scale_; }
 
 private:
-  bool is_encoded_;
+  bool is_encoded_ = true;
   float emission_scale_, sampling_weight_;
   SampledSpectrum d65_;
   PhaseFunctionPtr phase_;

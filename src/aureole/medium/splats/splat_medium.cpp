@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "aureole/medium/content/extinction_limit.h"
+#include "aureole/plugin/late_notes.h"
 #include "aureole/spectrum/observer.h"
 
 namespace aureole {
@@ -57,15 +58,6 @@ const SplatField& SplatMedium::field() const {
     try {
       auto field = std::make_unique<const SplatField>(*cloud_, to_world_, field_options_);
       require_computable_extinction(p, "filename", double(field->grid().maximum()));
-      if (field->thickened() > 0)
-        p.note(
-            "filename",
-            fmt::format(
-                "{} of {} splats are thinner than 1/100 of their longest scale: as a medium they are that thick",
-                field->thickened(), cloud_->size()));
-      if (field->without_extent() > 0)
-        p.note("filename", fmt::format("{} of {} splats have no extent: as a medium they are left out",
-                                       field->without_extent(), cloud_->size()));
       field_ = std::move(field);
     } catch (const Error& problem) {
       if (!problem.where().file.empty()) throw;
@@ -73,6 +65,21 @@ const SplatField& SplatMedium::field() const {
     }
   });
   return *field_;
+}
+
+std::vector<std::string> SplatMedium::transport_notes() const {
+  std::vector<std::string> notes;
+  if (field().thickened() > 0)
+    notes.push_back(note_text(
+        properties(), "filename",
+        fmt::format(
+            "{} of {} splats are thinner than 1/100 of their longest scale: as a medium they are that thick",
+            field().thickened(), cloud_->size())));
+  if (field().without_extent() > 0)
+    notes.push_back(note_text(properties(), "filename",
+                              fmt::format("{} of {} splats have no extent: as a medium they are left out",
+                                          field().without_extent(), cloud_->size())));
+  return notes;
 }
 
 void SplatMedium::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {

@@ -10,13 +10,14 @@
 #include "aureole/math/transform.h"
 #include "aureole/medium/medium.h"
 #include "aureole/medium/splats/splat_field.h"
+#include "aureole/medium/transport_notes.h"
 #include "aureole/parameter/splat/splat_cloud.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
 
-class SplatMedium final : public Medium {
+class SplatMedium final : public Medium, public TransportNotes {
 public:
   explicit SplatMedium(const Properties& properties);
   static std::vector<ParameterDoc> rows();
@@ -32,6 +33,7 @@ public:
   float distance_of_thickness(const Ray& ray, float t_max, double wanted) const override {
     return field().distance_of_thickness(ray, t_max, wanted);
   }
+  std::vector<std::string> transport_notes() const override;
   bool is_uniform() const override { return false; }
   bool has_uniform_emission() const override { return false; }
   bool emits() const override { return color_emits_; }

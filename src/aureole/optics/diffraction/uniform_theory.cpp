@@ -71,6 +71,35 @@ std::complex<double> Wedge::keller_coefficient(double k, double sin_beta, double
          (is_hard ? first + second : first - second);
 }
 
+std::complex<double> Wedge::over_half_plane(double k_distance, double phi, double phi_i,
+                                            WedgeFaces faces) const {
+  // At the boundary of the shadow `term` is the mean of both sides, 0 for the half plane: angles keep away from it.
+  constexpr double kNearest = 1e-7;
+  const double to_shadow = phi > phi_i ? pi : -pi, off = phi - phi_i - to_shadow;
+  if (std::abs(off) < kNearest) phi = phi_i + to_shadow + std::copysign(kNearest, off);
+  const double difference = phi - phi_i, sum = phi + phi_i;
+  if (std::abs(difference) < pi) {
+    // A term of reflected light over its size at the boundary of the shadow, where it is whole: the mean of the sizes there for
+    // this source and for a source in the place of the observer, so that both may be exchanged.
+    const auto fade = [&](Complex face, double boundary, double from_boundary) {
+      if (face == 0.0 || from_boundary <= 0) return Complex(0);
+      const auto transition = [&](double to_angle) {
+        const double s = std::sin(0.5 * (to_angle - boundary));
+        return std::abs(transition_function(2 * k_distance * s * s));
+      };
+      const double whole = std::sqrt(transition(2 * phi_i + to_shadow) * transition(2 * phi - to_shadow));
+      const double here = transition(sum);
+      return here < whole ? face * (here / whole) * (here / whole) : face;
+    };
+    faces.o = fade(faces.o, pi, sum - pi);
+    faces.n = fade(faces.n, (2 * n_ - 1) * pi, (2 * n_ - 1) * pi - sum);
+  }
+  const Complex wedge = term(n_, k_distance, difference) + term(n_, k_distance, -difference) +
+                        faces.n * term(n_, k_distance, sum) + faces.o * term(n_, k_distance, -sum);
+  const Complex half_plane = term(2, k_distance, difference) + term(2, k_distance, -difference);
+  return wedge / half_plane * (2 / n_);
+}
+
 WedgeLight Wedge::light(double phi, double phi_i) const {
   return {side_of(pi - std::abs(phi - phi_i)), side_of(pi - phi - phi_i),
           side_of(phi + phi_i - (2 * n_ - 1) * pi)};

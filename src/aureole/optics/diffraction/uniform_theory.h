@@ -45,6 +45,12 @@ public:
   std::complex<double> keller_coefficient(double k, double sin_beta, double phi, double phi_i,
                                           bool is_hard) const;
   WedgeLight light(double phi, double phi_i) const;
+  /// Returns `coefficient` over that of a half plane that absorbs, at one k L (`k_distance`): the factor that makes a boundary wave
+  /// (boundary_wave.h), which is the wave of that half plane, the wave of this wedge. Both have their transition functions, so that
+  /// it is finite at the boundary of the shadow. There it jumps from 1 - e to 1 + e, e the terms that do not jump over those that do,
+  /// so that direct light less the boundary wave times this factor is continuous. Where the observer is not in the shadow, the terms of reflected light fade towards their own boundaries, as the square of their transition function, and are 0
+  /// beyond: there the reflected light is a path of its own.
+  std::complex<double> over_half_plane(double k_distance, double phi, double phi_i, WedgeFaces faces) const;
 
   /// A plane wave of amplitude 1 and phase 0 at the edge comes across it: the field at the distance rho, geometrical and diffracted.
   /// Of a half plane of metal it is Sommerfeld's exact solution.

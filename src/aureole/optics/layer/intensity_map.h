@@ -24,9 +24,15 @@ class IntensityMap {
 public:
   struct Pair {
     float uncorrelated, coherent;
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.uncorrelated, self.coherent);
+    }
   };
   static constexpr int kLargestExtent = 240;
 
+  /// A map without nodes, to be read.
+  IntensityMap() = default;
   /// Tabulates `f`. `extent` is the largest |u| needed; at most kLargestExtent is tabulated. `f` is called
   /// from the threads of `parallel_for`.
   IntensityMap(const std::function<MixtureIntensity(double, double)>& f, double extent,
@@ -47,13 +53,19 @@ public:
   /// Evaluates the points (x[i], y[i]): writes U to values[i] and C to values[x.size() + i].
   void eval(std::span<const double> x, std::span<const double> y, std::span<double> values) const;
   std::size_t bytes() const { return nodes_.size() * sizeof(Pair); }
+  /// Calls `all` with the members, for tables that are kept; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.extents_, self.rates_, self.columns_, self.first_, self.nodes_);
+  }
 
 private:
   template <int N>
   struct Vectors;
   static constexpr int kLevels = 5;
-  float extents_[kLevels], rates_[kLevels];  // extent of each level, and its number of nodes per unit of u
-  std::int32_t columns_[kLevels], first_[kLevels];
+  float extents_[kLevels] = {},
+        rates_[kLevels] = {};  // extent of each level, and its number of nodes per unit of u
+  std::int32_t columns_[kLevels] = {}, first_[kLevels] = {};
   /// Nodes (U, C), level by level, for ux from -extent - step and uy from -step. The lower half plane is the
   /// upper one rotated by 180 degrees.
   std::vector<Pair> nodes_;

@@ -57,6 +57,8 @@ public:
     float squared, cross, real, imaginary;
   };
 
+  /// A scatterer without tables, to be read.
+  PhaseScatterer() = default;
   /// Tabulates up to `largest_u` and `largest_psi`. Throws std::domain_error for an invalid profile, if the table
   /// would exceed kMaxBytes, and if `largest_psi` exceeds kMaxPhase.
   PhaseScatterer(const PhaseProfile& profile, const SizeDistribution& sizes, double largest_u,
@@ -87,6 +89,12 @@ public:
   /// size.
   double mean_square() const { return mean_square_; }
   std::size_t bytes() const { return (table_.size() + base_.size()) * sizeof(float); }
+  /// Calls `all` with the members, for tables that are kept; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.columns_, self.rows_, self.table_, self.base_, self.transmittance_, self.mean_square_,
+        self.uniform_);
+  }
 
 private:
   /// The cubic through four neighbouring nodes of a table, at a position in nodes that is clamped to the table.

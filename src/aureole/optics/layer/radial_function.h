@@ -38,6 +38,8 @@ struct RadialCells {
 /// is 2e-7 of its amplitude up to u = 64 and 5e-5 beyond, including rounding to single precision.
 class RadialFunction {
 public:
+  /// A function without a table, to be read.
+  RadialFunction() = default;
   /// Tabulates f over [0, end]; `end` is a whole number. Beyond `end` the function is c/u^3, with c the mean
   /// of f u^3 over the last sixteenth: which is Porod's law for shapes with an edge. With `decays` false the
   /// function is 0 there, for functions that oscillate about 0.
@@ -56,17 +58,24 @@ public:
   }
   int end() const { return int(end_); }
   std::size_t bytes() const { return coefficients_.size() * sizeof(float); }
+  /// Calls `all` with the members, for tables that are kept; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.coefficients_, self.end_, self.last_, self.tail_);
+  }
 
 private:
   using Cells = RadialCells<16, 4>;
   std::vector<float> coefficients_;
-  float end_, last_, tail_ = 0;
+  float end_ = 0, last_ = 0, tail_ = 0;
 };
 
 /// A density over u that is linear in each of its cells up to `end` and falls as 1/u^2 beyond, with its
 /// cumulative distribution. Samples follow exactly the density that `eval` returns.
 class RadialDistribution {
 public:
+  /// A distribution without a table, to be read.
+  RadialDistribution() = default;
   /// `density` returns u g(u) >= 0 up to a constant factor; beyond `end` it is `tail`/u^2 with that factor.
   RadialDistribution(const std::function<double(double)>& density, int end, double tail);
 
@@ -80,6 +89,11 @@ public:
   /// Returns the u in [0, u_max] with cdf(u) = xi cdf(u_max), for xi in [0, 1) and u_max > 0.
   double sample(double xi, double u_max) const;
   std::size_t bytes() const { return nodes_.size() * 4 + power_.size() * 8 + guide_.size() * 4; }
+  /// Calls `all` with the members, for tables that are kept; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.end_, self.nodes_, self.power_, self.guide_, self.tail_, self.total_);
+  }
 
 private:
   using Cells = RadialCells<64, 4>;
@@ -94,13 +108,13 @@ private:
     return (a + t * (b - a)) * decay * decay;
   }
 
-  int end_;
+  int end_ = 0;
   /// Values at the start of each cell and at end_; `eval` reads one more value with weight 0.
   std::vector<float> nodes_;
   std::vector<double> power_;  ///< integral up to the start of each cell and up to end_
   /// cell in which a search starts, at equal steps of the cumulative distribution
   std::vector<std::uint32_t> guide_;
-  double tail_, total_;
+  double tail_ = 0, total_ = 0;
 };
 
 }  // namespace aureole::optics

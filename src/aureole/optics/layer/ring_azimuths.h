@@ -22,12 +22,18 @@ public:
   struct Layout {
     float rings[3];
     double bins[3];
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.rings, self.bins);
+    }
   };
   /// layout for shapes, whose features have a width of some 2
   static constexpr Layout kShapes{{4, 2, 1}, {4.5, 4.5, 4.5}};
   /// layout for lattices, whose spots have a width of about 0.1
   static constexpr Layout kSpots{{16, 4, 1}, {48, 12, 4.5}};
 
+  /// An object without rings, to be read.
+  RingAzimuths() = default;
   /// Tabulates rings up to `extent`; the last of them is used beyond. `f` is called from the threads of
   /// `parallel_for`.
   RingAzimuths(const std::function<double(double, double)>& f, double extent, const Layout& layout,
@@ -77,12 +83,21 @@ public:
   /// Samples a unit vector (cosine, sine) for xi in [0, 1).
   void sample(float u, float xi, float& cosine, float& sine) const;
   std::size_t bytes() const { return cdf_.size() * sizeof(float) + rings_.size() * sizeof(Ring); }
+  /// Calls `all` with the members, for tables that are kept; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.layout_, self.starts_, self.rings_, self.cdf_);
+  }
 
 private:
   RingAzimuths(double extent, const Layout& layout);  // makes an object without distributions
   struct Ring {
     std::int32_t first;  ///< index of the ring's first value in cdf_
     float bins;          ///< number of bins, a whole number
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.first, self.bins);
+    }
   };
   int ring_index(float u) const {
     u = u < 1e6f ? u : 1e6f;
@@ -97,10 +112,10 @@ private:
     return rings_[std::size_t(i) < rings_.size() ? std::size_t(i) : rings_.size() - 1];
   }
 
-  Layout layout_;
+  Layout layout_{};
   /// Offsets of the linear functions (ring index over u) of the three ranges, which cross where the width
   /// changes
-  float starts_[3];
+  float starts_[3] = {};
   std::vector<Ring> rings_;
   std::vector<float> cdf_;  ///< cumulative distribution: bins + 1 values per ring, from 0 to 1
 };

@@ -14,6 +14,8 @@ namespace aureole::optics {
 
 class ScattererTable {
 public:
+  /// An empty table, to be read.
+  ScattererTable() = default;
   /// Tabulates U and C up to |u| = `extent`. Beyond 4096 (240 for anisotropic mixtures) they are replaced by
   /// the ring mean, which falls as u^-3. `anisotropic` is the structure factor of positions without circular
   /// symmetry, or null; if given, azimuths follow U + C S'. `mixture` and `anisotropic` are evaluated on the
@@ -61,6 +63,12 @@ public:
   const RadialFunction& coherent_ring() const { return coherent_; }
   int end() const { return coherent_.end(); }
   std::size_t bytes() const;
+  /// Calls `all` with the members, for tables that are kept; `self` is constant or not.
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.uncorrelated_, self.coherent_, self.map_, self.uncorrelated_azimuths_, self.coherent_azimuths_,
+        self.product_);
+  }
 
 private:
   Pair envelope(float ux, float uy, float u) const;

@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "aureole/core/memory.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/parallel.h"
 #include "aureole/parameter/grid/grid_reader.h"
 #include "aureole/parameter/grid/zip_archive.h"
+#include "aureole/parameter/radiance/radiance_reader.h"
 #include "aureole/parameter/splat/spherical_harmonics.h"
 
 namespace aureole {
@@ -181,21 +183,7 @@ RadianceVoxels read_archive(const SharedBytes& bytes) {
                       color = column / stored_terms, term = column % stored_terms;
     if (term < terms) g.harmonics[3 * (terms * voxel + term) + color] = v;
   });
-  std::size_t bad = 0, first = 0;
-  for (std::size_t i = 0; i < g.stored(); ++i) {
-    bool finite = std::isfinite(g.densities[i]);
-    float* h = &g.harmonics[3 * terms * i];
-    for (std::size_t k = 0; k < 3 * terms; ++k) finite &= std::isfinite(h[k]);
-    if (finite) continue;
-    if (bad++ == 0) first = i;
-    g.densities[i] = 0;
-    std::fill_n(h, 3 * terms, 0.f);
-  }
-  if (bad > 0)
-    g.notes.push_back(fmt::format(
-        "has {} of {} stored voxels with a number that is not finite, the first of them number {}: they "
-        "are empty",
-        bad, n, first));
+  radiance_reader::empty_bad_voxels(g);
   return g;
 }
 
@@ -228,8 +216,37 @@ bool is_radiance_voxels_file(const std::filesystem::path& file) {
          file.extension() == ".npz";
 }
 
+void radiance_reader::empty_bad_voxels(RadianceVoxels& g) {
+  const std::size_t numbers = 3 * g.coefficients();
+  const auto empty = [&](const auto& is_good, const std::string& what) {
+    std::size_t bad = 0, first = 0;
+    for (std::size_t i = 0; i < g.stored(); ++i) {
+      float* h = &g.harmonics[numbers * i];
+      if (is_good(g.densities[i], std::span<const float>(h, numbers))) continue;
+      if (bad++ == 0) first = i;
+      g.densities[i] = 0;
+      std::fill_n(h, numbers, 0.f);
+    }
+    if (bad > 0)
+      g.notes.push_back(
+          fmt::format("has {} of {} stored voxels with {}, the first of them number {}: they are empty", bad,
+                      g.stored(), what, first));
+  };
+  empty(
+      [](float density, std::span<const float> h) {
+        return std::isfinite(density) &&
+               std::all_of(h.begin(), h.end(), [](float v) { return std::isfinite(v); });
+      },
+      "a number that is not finite");
+  empty(
+      [](float, std::span<const float> h) {
+        return std::all_of(h.begin(), h.end(), [](float v) { return std::abs(v) <= kMostHarmonic; });
+      },
+      fmt::format("a coefficient of their colour beyond {:g}", kMostHarmonic));
+}
+
 RadianceVoxels read_radiance_voxels(const std::filesystem::path& file) {
-  return read_mapped(file, read_archive);
+  return radiance_reader::is_vdb(file) ? radiance_reader::read_vdb(file) : read_mapped(file, read_archive);
 }
 
 void write_radiance_voxels(const std::filesystem::path& file, const RadianceVoxels& g) {

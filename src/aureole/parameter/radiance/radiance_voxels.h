@@ -26,6 +26,7 @@ struct RadianceVoxels {
   /// (spherical_harmonics.h of splats).
   int degree = 0;
   UnfilledVector<float> harmonics;
+  bool is_linear = false;          ///< whether the file states that its colours are linear
   std::vector<std::string> notes;  ///< what has no effect or is left out, with counts
 
   std::size_t stored() const { return densities.size(); }
@@ -41,7 +42,8 @@ struct RadianceVoxels {
 
 /// Reads an archive of numpy (.npz) with the arrays `links` (nx x ny x nz integers), `density_data` (n x 1), `sh_data`
 /// (n x 3 (degree + 1)^2, all coefficients of red first), `radius` and `center` (3 numbers each), as Plenoxels writes it.
-/// Throws Error located at the file. Memory is bounded by the size of the file and `require_content`.
+/// Or reads a file of OpenVDB or NanoVDB: numbers "density", and vectors "sh_0", "sh_1", ... of coefficients or "color" or "Cd" of
+/// linear colours. Throws Error located at the file. Memory is bounded by the size of the file and `require_content`.
 RadianceVoxels read_radiance_voxels(const std::filesystem::path& file);
 
 /// Writes such a file with coefficients of float16, as Plenoxels does. Replaces the file as a whole. Throws Error located at

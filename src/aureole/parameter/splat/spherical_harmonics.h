@@ -12,6 +12,9 @@ namespace aureole {
 /// The constant function Y_00. A colour of 1 has the coefficient 0.5 / kHarmonic0.
 inline constexpr float kHarmonic0 = 0.28209479177387814f;
 inline constexpr int kMaxHarmonicDegree = 3;
+/// Largest magnitude of a coefficient in files of splats and grids. A colour is decoded by the power 2.4, and the sum of 16
+/// coefficients beyond this one would be no radiance that a film counts (2^60).
+inline constexpr float kMostHarmonic = 1e6f;
 
 /// Writes the (degree + 1)^2 functions of a unit direction to `out`, in the order of l and then of m = -l to l.
 inline void eval_harmonics(int degree, const Vec3& d, float* out) {

@@ -44,6 +44,11 @@ bool is_finite_splat(const SplatCloud& c, std::size_t i) {
   return finite;
 }
 
+bool has_colors(const SplatCloud& c, std::size_t i) {
+  const float* h = c.harmonics_of(i);
+  return std::all_of(h, h + 3 * c.coefficients(), [](float v) { return std::abs(v) <= kMostHarmonic; });
+}
+
 /// Leaves out splats for which `is_good` is false. Returns their number, and the index of the first.
 template <class IsGood>
 std::size_t keep_splats(SplatCloud& c, const IsGood& is_good, std::size_t& first) {
@@ -103,6 +108,11 @@ void finish_cloud(SplatCloud& c, const SplatFileOptions& options) {
     c.notes.push_back(fmt::format(
         "has {} of {} splats with a number that is not finite, the first of them number {}: they are left out",
         n, all, first));
+  if (const std::size_t n = keep_splats(
+          c, [&](std::size_t i) { return has_colors(c, i); }, first))
+    c.notes.push_back(fmt::format(
+        "has {} splats with a coefficient of their colour beyond {:g}, the first of them number {}: they are left out",
+        n, kMostHarmonic, first));
   const auto norm = [&](std::size_t i) {
     const auto& q = c.rotations[i];
     return std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
@@ -121,13 +131,23 @@ void finish_cloud(SplatCloud& c, const SplatFileOptions& options) {
     if (!(c.opacities[i] >= 0 && c.opacities[i] <= 1))
       throw Error(
           fmt::format("has the opacity {:g} of splat {}; an opacity lies in [0, 1]", c.opacities[i], i));
-  if (c.size() == 0 && all > 0) throw Error("has no splat with numbers that are finite");
+  if (c.size() == 0 && all > 0)
+    throw Error("has no splat whose numbers are finite and make a colour and a rotation");
   for_ranges(c.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const float scale = 1 / norm(i);
       for (float& v : c.rotations[i]) v *= scale;
     }
   });
+  if (c.kind == SplatCloud::Kind::gaussians) {
+    std::size_t flat = 0;
+    for (std::size_t i = c.size(); i-- > 0;)
+      if (max_component(c.scales[i]) == 0) ++flat, first = i;
+    if (flat > 0)
+      c.notes.push_back(fmt::format(
+          "has {} splats whose three scales are 0, the first of them number {}: they have no extent", flat,
+          first));
+  }
   if (!options.axes.empty()) c.axes = options.axes;
   reverse_axes(c);
 }

@@ -379,7 +379,7 @@ SplatCloud read_usda(const Path&, const SharedBytes& bytes, const SplatFileOptio
   if (count == 0) throw Error("has no splats: the prims have no positions");
   if (count > kMaxSplats) throw Error(fmt::format("has {} splats; {} are possible", count, kMaxSplats));
   c.resize(count, degree);
-  std::size_t at = 0;
+  std::size_t at = 0, uneven = 0;
   const std::size_t terms = c.coefficients();
   for (const UsdSplats& s : all) {
     const std::size_t n = s.positions.values.size() / 3,
@@ -391,6 +391,9 @@ SplatCloud read_usda(const Path&, const SharedBytes& bytes, const SplatFileOptio
       }
       for (std::size_t k = 0; k < 4; ++k)
         c.rotations[at][k] = s.orientations.is_there ? s.orientations.values[4 * i + k] : float(k == 0);
+      double squares = 0;
+      for (const float v : c.rotations[at]) squares += double(v) * double(v);
+      uneven += std::abs(squares - 1) > 0.02;
       c.opacities[at] = s.opacities.is_there ? s.opacities.values[i] : 1;
       for (std::size_t term = 0; term < terms; ++term)
         for (std::size_t k = 0; k < 3; ++k)
@@ -400,6 +403,9 @@ SplatCloud read_usda(const Path&, const SharedBytes& bytes, const SplatFileOptio
                   : 0;
     }
   }
+  if (uneven > 0)
+    c.notes.push_back(
+        fmt::format("has {} splats whose rotation is no unit quaternion: they are normalised", uneven));
   return c;
 }
 

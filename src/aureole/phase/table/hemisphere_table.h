@@ -57,9 +57,20 @@ public:
 
   std::size_t bytes() const;
 
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.stride_, self.nodes_, self.cells_, self.values_, self.integrals_, self.guide_, self.guide_base_,
+        self.guide_shift_, self.shares_, self.share_guide_);
+  }
+
 private:
   struct Cell {
     float begin, rate;  ///< x at the start of a cell, and 1/width of the cell
+
+    template <class Self, class Fields>
+    static void fields(Self& self, Fields& all) {
+      all(self.begin, self.rate);
+    }
   };
   const float* row_of(const Place& p) const { return &values_[std::size_t(p.cell) * stride_]; }
   float width(int cell) const { return 1 / cells_[cell].rate; }

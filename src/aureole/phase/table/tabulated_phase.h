@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 
+#include "aureole/core/table_fields.h"
 #include "aureole/math/vec.h"
 #include "aureole/phase/table/hemisphere_table.h"
 #include "aureole/spectrum/wavelengths.h"
@@ -15,6 +16,8 @@ namespace aureole {
 
 class TabulatedPhase {
 public:
+  /// An empty table, to be read.
+  TabulatedPhase() = default;
   /// `mu`: increasing cosines of the scattering angle from -1 (backward) to 1 (forward). `nm`: increasing
   /// wavelengths. `values`: one row per mu, with one value >= 0 per wavelength, in any unit, since each
   /// wavelength is normalised. The first and last wavelength are used beyond the range. Throws
@@ -38,6 +41,12 @@ public:
   double asymmetry(int node) const;
   int wavelength_nodes() const { return wavelengths_; }
   std::size_t bytes() const { return forward_.bytes() + backward_.bytes(); }
+
+  static constexpr TableKind kTable{"phase function", 1};
+  template <class Self, class Fields>
+  static void fields(Self& self, Fields& all) {
+    all(self.wavelengths_, self.position_, self.forward_, self.backward_);
+  }
 
 private:
   using Place = HemisphereTable::Place;

@@ -34,6 +34,14 @@ struct DiffractionSettings {
   };
   Model model = Model::beams;
   BeamWidth width{};  ///< of the model `beams`
+  /// How edges of wedges act on the electric field, in the model `segments`.
+  enum class Polarisation {
+    none,  ///< as half planes that absorb, without polarisation
+    soft,  ///< the electric field lies along each edge
+    hard,  ///< the magnetic field lies along each edge
+    both   ///< the mean power of soft and hard
+  };
+  Polarisation polarisation = Polarisation::none;
 
   bool operator==(const DiffractionSettings&) const = default;
 };

@@ -37,6 +37,12 @@ double turn_without_creeping(double wave_number, double radius) {
   return std::min(0.5, std::cbrt(2 / (wave_number * radius)));
 }
 
+/// Whether a BSDF reflects light in one direction alone.
+bool reflects_as_mirror(const Bsdf& bsdf) {
+  return has(bsdf.lobes(), Lobe::delta) && has(bsdf.lobes(), Lobe::reflect) &&
+         !has(bsdf.lobes(), Lobe::diffuse | Lobe::glossy);
+}
+
 }  // namespace
 
 const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf) {
@@ -101,8 +107,9 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
   const EdgeDiffraction* mark = only_marked_ ? edge_diffraction_of(bsdf) : nullptr;
   if (only_marked_ && !(mark && mark->is_enabled() && mark->scale() > 0)) return;
   const float factor = mark ? mark->scale() : 1.f;
+  const bool reflects = reflects_as_mirror(bsdf);
   if (const auto* mesh = dynamic_cast<const Mesh*>(&shape)) {
-    add_triangles(mesh->data().positions, mesh->data().triangles, instance, factor, 0);
+    add_triangles(mesh->data().positions, mesh->data().triangles, instance, factor, 0, reflects);
     return;
   }
   const auto* round = dynamic_cast<const RoundShape*>(&shape);
@@ -128,7 +135,7 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
                      0.5 * radius * turn * turn, wanted_pieces(radius, false)});
     return;
   }
-  rounds_.push_back({&shape, instance, factor, magnified * round->round_radius()});
+  rounds_.push_back({&shape, instance, factor, magnified * round->round_radius(), reflects});
 }
 
 int DiffractingShapes::wanted_pieces(double radius, bool is_curved) const {
@@ -183,7 +190,7 @@ void DiffractingShapes::add_round_shapes() {
         std::hypot(turn_without_creeping(wave_number_, r.radius), 1.6 * 2 * std::numbers::pi / pieces);
     OutlineMesh mesh = round.outline_mesh(pieces);
     add_triangles(std::move(mesh.positions), std::move(mesh.triangles), r.instance, r.scale,
-                  round.is_curved() ? float(0.5 * r.radius * turn * turn) : 0.f);
+                  round.is_curved() ? float(0.5 * r.radius * turn * turn) : 0.f, r.reflects);
   }
   if (coarse > 0)
     remarks.push_back(
@@ -192,12 +199,12 @@ void DiffractingShapes::add_round_shapes() {
 }
 
 void DiffractingShapes::add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
-                                      const Instance* instance, float factor, float height) {
+                                      const Instance* instance, float factor, float height, bool is_mirror) {
   if (instance)
     for (Vec3& p : positions) p = instance->point_to_world(p);
   positions_.push_back(std::move(positions));
   triangles_.push_back(std::move(triangles));
-  scale.push_back(factor), lift.push_back(height);
+  scale.push_back(factor), lift.push_back(height), reflects.push_back(is_mirror);
 }
 
 BeamWidth DiffractingShapes::width(const BeamWidth& of_integrator) const {

@@ -40,6 +40,7 @@ public:
   /// Of each set: how high above an edge light passes. A round surface bends away behind its outline; so far as its depth there is less
   /// than that, it is as good as a flat screen.
   std::vector<float> lift;
+  std::vector<bool> reflects;  ///< of each set: whether its BSDF reflects as a mirror
   /// A ball in the world.
   struct BallInWorld {
     Double3 center;
@@ -58,7 +59,7 @@ private:
   void add(const Shape& shape, const Bsdf& bsdf, bool shines, const Instance* instance);
   void add_round_shapes();
   void add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
-                     const Instance* instance, float scale, float lift);
+                     const Instance* instance, float scale, float lift, bool reflects);
 
   bool passes_light(const Bsdf& bsdf) const;
   /// The number of sides of a polygon with that radius, whose surface bends away behind its outline or not.
@@ -82,6 +83,7 @@ struct DiffractingShapes::Round {
   const Instance* instance;
   float scale;
   double radius;  ///< in the world
+  bool reflects;  ///< as a mirror
 };
 
 }  // namespace aureole

@@ -2,6 +2,7 @@
 #include "aureole/scene/edge/outline_edges.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -272,6 +273,7 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   std::vector<TriangleSet> sets;
   for (std::size_t i = 0; i < positions.size(); ++i) sets.push_back({positions[i], shapes.sets[i].triangles});
   lift_ = shapes.lift;
+  reflects_ = shapes.reflects;
   sheet_ = flat_sheets(sets, welded_, kNoSheet);
   edges_ = joined(find_mesh_edges(sets), sheet_, kNoSheet, welded_);
   notes_ = shapes.remarks;
@@ -333,18 +335,64 @@ Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
           float(length + detour / 2)};
 }
 
-bool OutlineEdges::has_rim_within(std::uint32_t i, const EdgeSegment& segment, double detour) const {
+double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment, double wavelength,
+                                        const std::function<bool(const Double3&)>& is_lit) const {
+  most = std::min(most, window_ * 4 / 3);
+  const double detour = detour_of(most, wavelength), scale = 1 / std::sqrt(wavelength);
+  double smallest = double(kInfinity);
+  const Beam beam = beam_of(segment, detour);
+  if (!balls_.empty())
+    ball_tree_.visit(beam, [&](std::uint32_t i) {
+      smallest = std::min(smallest, scale * std::sqrt(squared_rim_parameter(i, segment)));
+    });
+  // The edges next to the segment, in the order of v.
+  constexpr std::size_t kTests = 8;
+  struct Candidate {
+    double v;
+    EdgePassage passage;
+  };
+  std::array<Candidate, kTests + 1> next;
+  std::size_t count = 0;
+  EdgePassage passage;
+  tree_.visit(beam, [&](std::uint32_t i) {
+    if (!find_passage(edges_[i], segment, detour, passage)) return;
+    const DetourLine line(edges_[i], segment);
+    const double v = scale * line.parameter(std::clamp(passage.middle, passage.begin, passage.end));
+    if (!(v < smallest) || (count == next.size() && !(v < next.back().v))) return;
+    std::size_t at = std::min(count, next.size() - 1);
+    for (; at > 0 && v < next[at - 1].v; --at) next[at] = next[at - 1];
+    next[at] = {v, passage};
+    count = std::min(count + 1, next.size());
+  });
+  for (std::size_t k = 0; k < count; ++k) {
+    const Candidate& c = next[k];
+    EdgeSide side;
+    const bool is_tested =
+        k < kTests && find_side(c.passage, segment, c.passage.in, c.passage.out, true, side);
+    if (is_tested && !is_lit(side.beside)) continue;
+    smallest = std::min(smallest, c.v);
+    break;
+  }
+  return smallest <= most ? smallest : double(kInfinity);
+}
+
+double OutlineEdges::squared_rim_parameter(std::uint32_t i, const EdgeSegment& segment) const {
   const auto& ball = balls_[i];
   const Double3 p = ball.center - segment.from;
   const double depth = dot(p, segment.d), off = length(p - segment.d * depth);
-  if (!(depth > 0) || !(depth < segment.length)) return false;
+  if (!(depth > 0) || !(depth < segment.length)) return double(kInfinity);
   // A point of the surface is an end of the segment and no obstacle.
   const double near = ball.radius * (1 + 1e-4);
   if (length(p) < near || (!segment.is_infinite() && length(p - segment.d * segment.length) < near))
-    return false;
+    return double(kInfinity);
   const double sum = 1 / depth + (segment.is_infinite() ? 0 : 1 / (segment.length - depth));
   const double least = off - ball.radius;
-  return least * least * sum < 4 * detour;
+  return 2 * least * least * sum;
+}
+
+bool OutlineEdges::has_rim_within(std::uint32_t i, const EdgeSegment& segment, double detour) const {
+  // Twice the detour, since the parameter is a paraxial one.
+  return squared_rim_parameter(i, segment) < 4 * (2 * detour);
 }
 
 void OutlineEdges::add_rim(std::uint32_t i, const EdgeSegment& segment, double detour,
@@ -425,6 +473,39 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   side.is_open = height > 0;
   side.is_at_border = std::abs(height) <= rounding;
   return true;
+}
+
+bool OutlineEdges::find_wedge(const EdgePassage& passage, const EdgeSegment& segment, EdgeWedge& out) const {
+  constexpr double kLeastFold = std::numbers::pi / 6, kRounding = 1e-4;
+  const MeshEdge& edge = *passage.edge;
+  if (edge.face0.set >= reflects_.size() || lift_[edge.face0.set] > 0) return false;
+  const DetourLine line(edge, segment);
+  // Of a fold towards the side of its normals light passes on the other side, where it is one away from them.
+  const double side = edge.is_concave && !edge.is_boundary ? -1 : 1;
+  const Double3 n0(edge.n0), normal = n0 * side, into_face = face_direction(n0, line.e);
+  const double fold =
+      edge.is_boundary ? std::numbers::pi : std::acos(std::clamp(dot(n0, Double3(edge.n1)), -1.0, 1.0));
+  if (fold < kLeastFold) return false;
+  const double end = std::numbers::pi + fold;
+  out.n = end / std::numbers::pi;
+  // The angle about the edge of a direction away from it, from the o-face.
+  const auto angle = [&](const Double3& d, double& phi) {
+    phi = std::atan2(dot(d, normal), dot(d, into_face));
+    // Half of the angle within the wedge belongs to each face.
+    if (phi < -(2 * std::numbers::pi - end) / 2) phi += 2 * std::numbers::pi;
+    if (phi < -kRounding || phi > end + kRounding) return false;
+    phi = std::clamp(phi, 0.0, end);
+    return true;
+  };
+  Double3 in, leaving;
+  line.directions(passage.p, in, leaving);
+  if (!angle(-in, out.phi_i) || !angle(leaving, out.phi)) return false;
+  const double along = dot(in, line.e), s_i = length(passage.p);
+  const double s = line.is_infinite() ? double(kInfinity) : length(segment.d * segment.length - passage.p);
+  out.distance = (line.is_infinite() ? s_i : s_i * s / (s_i + s)) * std::max(0.0, 1 - along * along);
+  out.reflects_o = reflects_[edge.face0.set];
+  out.reflects_n = edge.is_boundary ? out.reflects_o : bool(reflects_[edge.face1.set]);
+  return out.distance > 0;
 }
 
 void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,

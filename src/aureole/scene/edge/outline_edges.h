@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -46,6 +47,14 @@ struct EdgeSide {
 
   /// The side on which the segment is taken to pass, given whether it is free.
   bool takes_open(bool is_free) const { return is_at_border ? is_free : is_open; }
+};
+
+/// An edge as a wedge of two faces, for light that comes to a point of it and leaves it (optics/diffraction/uniform_theory.h).
+struct EdgeWedge {
+  double n;                     ///< angle outside the wedge over pi, 2 for the border of a sheet
+  double phi, phi_i;            ///< angles [radians] from the o-face to where light goes and comes from
+  double distance;              ///< KP's L, in units of the scene
+  bool reflects_o, reflects_n;  ///< whether the faces are mirrors
 };
 
 /// How two edges one behind the other act on a segment together.
@@ -109,15 +118,11 @@ public:
     for (const MeshEdge& edge : rims) visit_edge(edge);
   }
 
-  /// Whether there is an edge with |v| of at most `v`, or within the window if that is less.
-  bool passes_within(double v, const EdgeSegment& segment, double wavelength) const {
-    const double detour = detour_of(std::min(v, window_ * 4 / 3), wavelength);
-    EdgePassage passage;
-    const Beam beam = beam_of(segment, detour);
-    const auto is_far = [&](std::uint32_t i) { return !find_passage(edges_[i], segment, detour, passage); };
-    const auto is_far_from_ball = [&](std::uint32_t i) { return !has_rim_within(i, segment, detour); };
-    return !tree_.visit_while(beam, is_far) || !ball_tree_.visit_while(beam, is_far_from_ball);
-  }
+  /// Returns the smallest Fresnel parameter |v| of paths by way of an edge beside the segment that light reaches, at a wavelength in
+  /// units of the scene; infinity where it exceeds `most`, or the window if that is less. is_lit(p) tells whether light comes
+  /// to a point p just beside an edge; it is not asked for balls, nor for more than 8 edges, beyond which all count.
+  double smallest_parameter(double most, const EdgeSegment& segment, double wavelength,
+                            const std::function<bool(const Double3&)>& is_lit) const;
 
   /// Whether both edges bound one flat sheet, so that neither hides a part of the other.
   bool are_of_one_sheet(const MeshEdge& a, const MeshEdge& b) const {
@@ -134,6 +139,11 @@ public:
   /// of its surface then. `grazes`: it also counts if light runs along one of its faces and the other one falls off.
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
                  const Double3& out, bool grazes, EdgeSide& side) const;
+
+  /// Sets the wedge of an edge at a point of the passage; false where the edge acts as that of a half plane that absorbs: of round
+  /// bodies, of folds of less than 30 degrees, which approximate curved surfaces, and where the light would come or go
+  /// within the wedge.
+  bool find_wedge(const EdgePassage& passage, const EdgeSegment& segment, EdgeWedge& out) const;
 
   /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the scene].
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
@@ -168,6 +178,9 @@ private:
     return 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
   }
   Beam beam_of(const EdgeSegment& segment, double detour) const;
+  /// Returns the squared Fresnel parameter of a ball's outline at a unit wavelength, the paraxial one; infinity where an
+  /// end of the segment lies on the ball, or the ball does not lie between the ends.
+  double squared_rim_parameter(std::uint32_t ball, const EdgeSegment& segment) const;
   /// Whether a ball's outline may lie within a detour; not where an end of the segment lies on it.
   bool has_rim_within(std::uint32_t ball, const EdgeSegment& segment, double detour) const;
   /// Adds the outline of a ball for light along the segment: a polygon around the circle across it.
@@ -178,6 +191,7 @@ private:
   std::vector<MeshEdge> edges_;
   static constexpr std::uint32_t kNoSheet = 0xffffffff;
   std::vector<float> lift_;           ///< of each set of triangles, see DiffractingShapes
+  std::vector<bool> reflects_;        ///< of each set of triangles: whether it reflects as a mirror
   std::vector<std::uint32_t> sheet_;  ///< of each set of triangles: equal for sets in one plane
   BeamTree tree_;
   std::vector<DiffractingShapes::BallInWorld> balls_;  ///< their sets follow those of triangles

@@ -8,7 +8,7 @@ Needs pyradiance 1.3 and numpy (PyPI). The files have random values, so that azi
 matter. Beside this script it writes shade_klems.xml (matrices on an angle basis of their own), shade_colour.xml (CIE XYZ
 on Klems' quarter basis), shade_tree3.xml, shade_tree4.xml and window_reference.txt, whose lines are: file, theta_i, phi_i,
 theta_o, phi_o [degrees, both directions away from the surface], f [1/sr] by Radiance's library. Real files metalGrate.xml
-and blindsT3.xml in FOLDER get lines, too.
+and blindsT3.xml in FOLDER get lines, too. window_colour_reference.txt has f for the responses X, Y and Z of shade_colour.xml.
 """
 import pathlib
 import sys
@@ -104,6 +104,18 @@ def main():
             f = bsdf.query(sheet, *angles)[1]
             lines.append(f"{file.name} " + " ".join(f"{a:.2f}" for a in angles) + f" {f:.9g}")
     (HERE / "window_reference.txt").write_text("\n".join(lines) + "\n")
+    sheet, lines = bsdf.load_file(str(HERE / "shade_colour.xml")), []
+    rng = np.random.default_rng(7)
+    while len(lines) < 60:
+        # The file has reflection at the front and transmission from the back: both leave on the front, z < 0 in Radiance.
+        angles = []
+        for side in (rng.uniform() < 0.5, True):
+            theta = round(float(np.degrees(np.arcsin(np.sqrt(rng.uniform(0, 0.98))))), 2)
+            angles += [180 - theta if side else theta, round(rng.uniform(0, 360), 2)]
+        xyz = bsdf.query(sheet, *angles)
+        if xyz[1] > 0:
+            lines.append(" ".join(f"{a:.2f}" for a in angles) + "".join(f" {v:.7g}" for v in xyz))
+    (HERE / "window_colour_reference.txt").write_text("\n".join(lines) + "\n")
 
 
 main()

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/lens/lens_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/error.h"
+
+namespace aureole {
+
+LensFigures measure_lens(const LensPrescription& lens, const LensSettings& settings) {
+  optics::LensSystem system(lens.surfaces);
+  const std::vector<double> at_d = lens.indices(kHeliumLine);
+  const optics::ParaxialLens open = system.paraxial(at_d);
+  if (settings.f_number) {
+    const double n = *settings.f_number;
+    if (!(n >= open.f_number() * (1 - 1e-3)))
+      throw Error(fmt::format("--f-number {:g}: wide open the lens has f/{:.4g}", n, open.f_number()));
+    system.set_stop_semi_diameter(lens.surfaces[system.stop()].semi_diameter *
+                                  std::min(1.0, open.f_number() / n));
+  }
+  if (!(settings.object > 0))
+    throw Error(fmt::format("--distance {:g}: must be positive, in metres", settings.object / 1000));
+  if (settings.rays < 2 || settings.rays > 2000)
+    throw Error(fmt::format("--rays {}: must be from 2 to 2000", settings.rays));
+  for (const double nm : settings.nm)
+    if (!(nm > 0 && nm < 1e6)) throw Error(fmt::format("--wavelengths {:g}: must be positive, in nm", nm));
+  for (const LensGlass& glass : lens.glasses)
+    for (const double nm : settings.nm)
+      if (nm < glass.min_nm() || nm > glass.max_nm())
+        throw Error(fmt::format("--wavelengths {:g}: the index of \"{}\" is known from {:g} to {:g} nm", nm,
+                                glass.name(), glass.min_nm(), glass.max_nm()));
+  for (const double field : settings.fields)
+    if (!(std::abs(field) < 90))
+      throw Error(fmt::format("--fields {:g}: must be below 90 degrees from the axis", field));
+  const double last = system.vertex(lens.surfaces.size() - 1);
+  const optics::ParaxialLens p = system.paraxial(at_d);
+  LensFigures f;
+  f.name = lens.name, f.surfaces = lens.surfaces.size(), f.stop = system.stop() + 1;
+  f.focal_length = p.focal_length, f.f_number = p.f_number(), f.back_focus = p.back_focus - last;
+  f.entrance_pupil = p.entrance_pupil, f.entrance_width = 2 * p.entrance_semi;
+  f.exit_pupil = system.film() - p.exit_pupil, f.exit_width = 2 * p.exit_semi;
+  for (const double nm : settings.nm) {
+    const std::vector<double> n = lens.indices(nm);
+    f.foci.push_back({nm, system.paraxial(n).focal_length, system.paraxial_image(n, settings.object) - last,
+                      optics::best_focus(system, n, kHeliumLine, settings.object) - last});
+  }
+  const double focus = optics::best_focus(system, at_d, kHeliumLine, settings.object);
+  system.set_film(focus);
+  f.film = focus - last;
+  const double axial =
+      double(optics::distant_spot(system, at_d, kHeliumLine, 0, settings.rays).points.size());
+  for (const double field : settings.fields)
+    for (const double nm : settings.nm) {
+      if (settings.between) settings.between();
+      const optics::Spot s =
+          optics::distant_spot(system, lens.indices(nm), nm, field * M_PI / 180, settings.rays);
+      LensSpot& spot = f.spots.emplace_back();
+      spot.field = field, spot.nm = nm;
+      if (s.points.empty()) continue;
+      spot.height = s.centroid[1], spot.rms = 1000 * s.rms_radius;
+      spot.open = double(s.points.size()) / axial, spot.transmittance = s.transmittance;
+      for (const auto& point : s.points)
+        spot.points.push_back({1000 * (point[0] - s.centroid[0]), 1000 * (point[1] - s.centroid[1])});
+    }
+  f.cutoff = 1 / (kHeliumLine * 1e-6 * p.f_number());
+  f.airy_radius = 1.21966989 * kHeliumLine * 1e-3 * p.f_number();
+  return f;
+}
+
+}  // namespace aureole

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DFOLDER=src/aureole -DBUILT_BY="compiler and options" -DOUTPUT=source_hash.cpp -P source_hash.cmake: writes a hash of the
+# library's source and of how it is compiled (core/source_hash.h). The file keeps its time where nothing has changed.
+file(GLOB_RECURSE sources RELATIVE ${FOLDER} ${FOLDER}/*)
+list(SORT sources)
+set(all "${BUILT_BY}\n")
+foreach(source ${sources})
+  file(SHA256 ${FOLDER}/${source} hash)
+  string(APPEND all "${source} ${hash}\n")
+endforeach()
+string(SHA256 hash "${all}")
+string(SUBSTRING ${hash} 0 16 hash)
+set(text "// Made by tools/source_hash.cmake.\n#include \"aureole/core/source_hash.h\"\n\nconst char* const aureole::kSourceHash = \"${hash}\";\n")
+set(before "")
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} before)
+endif()
+if(NOT before STREQUAL text)
+  file(WRITE ${OUTPUT} "${text}")
+endif()
