@@ -13,7 +13,7 @@ from aureole import _bars
 SLOW = {"type": "mie", "radius": "250um", "distribution": "gamma"}  # tables of a minute and a half
 SCENE = {"type": "scene", "integrator": {"type": "volpath"}, "sensor": {"type": "perspective", "film": {"type": "hdrfilm", "width": 8, "height": 8}},
          "sky": {"type": "constant"},
-         "fog": {"type": "sphere", "bsdf": {"type": "null"}, "interior": {"type": "homogeneous", "sigma_t": 1.0, "phase": {"type": "mie", "radius": "0.5um"}}}}
+         "fog": {"type": "sphere", "bsdf": {"type": "null"}, "interior": {"type": "homogeneous", "sigma_t": 1.0, "phase": {"type": "mie", "radius": "0.5um", "distribution": "gamma"}}}}
 
 
 class Enough(Exception):
