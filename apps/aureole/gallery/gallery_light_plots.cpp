@@ -15,6 +15,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/tone.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -41,7 +42,7 @@ RenderedLight rendered_light(const LoadedScene& scene, std::int64_t spp, std::ui
 std::vector<std::pair<std::string, std::string>> divided_size(const std::filesystem::path& scene,
                                                               int divisor) {
   if (divisor == 1) return {};
-  const LoadedScene loaded = load_scene(scene, {});
+  const LoadedScene loaded = load_scene(scene, load_options({}));
   const Film& film = loaded.scene->film();
   return {{"width", std::to_string(film.width() / divisor)},
           {"height", std::to_string(film.height() / divisor)}};
@@ -49,7 +50,7 @@ std::vector<std::pair<std::string, std::string>> divided_size(const std::filesys
 
 RenderedLight rendered_light(const std::filesystem::path& scene, const LightEffort& effort,
                              const std::atomic<bool>& stop) {
-  LoadOptions load;
+  LoadOptions load = load_options({});
   load.defines = divided_size(scene, effort.divisor);
   return rendered_light(load_scene(scene, load), effort.spp, 0, stop);
 }
@@ -236,7 +237,7 @@ LightPicture refocused_pictures(const std::filesystem::path& scene, double diame
 
 LightPicture local_and_global(const std::filesystem::path& scene, const LightEffort& effort,
                               const std::atomic<bool>& stop) {
-  LoadOptions load;
+  LoadOptions load = load_options({});
   load.defines = divided_size(scene, effort.divisor);
   std::vector<IlluminationRuns> both;
   for (const bool is_local : {true, false}) {

@@ -11,6 +11,7 @@
 #include "aureole/integrator/dvr/scene_checks.h"
 #include "aureole/loading/load.h"
 #include "aureole/render/job.h"
+#include "scene_loading.h"
 
 namespace aureole {
 namespace {
@@ -48,7 +49,7 @@ double mean_difference(const Image& a, const Image& b) {
 
 VolumeCurves steps_against_error(const std::filesystem::path& scene, const std::vector<double>& steps,
                                  int width, int height, const std::atomic<bool>& stop) {
-  LoadOptions load;
+  LoadOptions load = load_options({});
   load.defines = {{"width", std::to_string(width)}, {"height", std::to_string(height)}};
   const LoadedScene as_stated = load_scene(scene, load);
   const auto media = classified_media(*as_stated.scene);
