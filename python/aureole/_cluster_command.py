@@ -54,7 +54,7 @@ def _render(a: Any) -> int:
     for name, number in (("--local", a.local), ("--wait", a.wait)):
         if number is not None and not 1 <= number <= 100000:
             raise Error(f"{name} {number}: expected a number of workers from 1 to 100000")
-    defines: dict[str, Any] = dict(defines_of(a.define))
+    defines = defines_of(a.define)
     if a.cache is not None:
         cache.use(a.cache)
     scene = load_file(a.scene, **defines)

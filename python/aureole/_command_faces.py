@@ -8,11 +8,10 @@ import warnings
 from typing import Any, Callable, Dict, Sequence
 
 from ._errors import Error
+from ._scene import PARAMETERS_OF_LOADING
 
-_PARAMETERS_OF_LOADING = ("integrator", "sampler", "path", "text")
 
-
-def defines_of(words: Sequence[str]) -> Dict[str, str]:
+def defines_of(words: Sequence[str]) -> Dict[str, Any]:
     """The values of a scene's $names, written NAME=VALUE, as keyword arguments of `load_file`.
 
     Raises
@@ -25,7 +24,7 @@ def defines_of(words: Sequence[str]) -> Dict[str, str]:
         name, equals, value = word.partition("=")
         if not name or not equals:
             raise Error(f"-D {word}: expected NAME=VALUE")
-        defines[name + "_" if name in _PARAMETERS_OF_LOADING else name] = value
+        defines[name + "_" if name in PARAMETERS_OF_LOADING else name] = value
     return defines
 
 

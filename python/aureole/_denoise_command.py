@@ -59,7 +59,7 @@ def _denoise(a: Any) -> int:
 
     if not a.output.endswith(".exr"):
         raise Error(f"-o {a.output}: the output is an .exr file (a .png is written beside it)")
-    defines: dict[str, Any] = dict(defines_of(a.define))
+    defines = defines_of(a.define)
     if a.cache is not None:
         cache.use(a.cache)
     scene = None

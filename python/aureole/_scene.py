@@ -248,10 +248,14 @@ def _of_change(p: Problem) -> Problem:
     return Problem(in_python(p.message), p.file) if p.file.startswith('["') else p
 
 
+# A $name of a scene that equals one of these takes an underscore at its end as an argument.
+PARAMETERS_OF_LOADING = ("integrator", "sampler", "path", "text", "progress")
+
+
 def _defines(defines: Mapping[str, Any]) -> List[Tuple[str, str]]:
     texts = []
     for name, value in defines.items():
-        if name in ("integrator_", "sampler_", "path_", "text_"):
+        if name.endswith("_") and name[:-1] in PARAMETERS_OF_LOADING:
             name = name[:-1]
         if isinstance(value, (bool, np.bool_)):
             texts.append((name, "true" if value else "false"))

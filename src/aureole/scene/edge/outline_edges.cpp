@@ -480,7 +480,7 @@ bool OutlineEdges::find_wedge(const EdgePassage& passage, const EdgeSegment& seg
   const MeshEdge& edge = *passage.edge;
   if (edge.face0.set >= reflects_.size() || lift_[edge.face0.set] > 0) return false;
   const DetourLine line(edge, segment);
-  // Of a fold towards the side of its normals light passes on the other side, where it is one away from them.
+  // A fold towards the side of its normals is concave there; light passes on its other side, where the fold is convex.
   const double side = edge.is_concave && !edge.is_boundary ? -1 : 1;
   const Double3 n0(edge.n0), normal = n0 * side, into_face = face_direction(n0, line.e);
   const double fold =
