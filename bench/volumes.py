@@ -257,7 +257,7 @@ def settings_of():
     """Ways of `dvr` to the picture: name, step in voxels (of the smallest distance), parameters."""
     ways = [(f"post, {s:g} voxels", s, "") for s in (0.25, 0.5, 0.6, 0.75, 1, 1.5)]
     interleaved = '<boolean name="jitter" value="true"/>' + text("jitter_pattern", "interleaved")
-    ways += [(f"post, interleaved, {s:g} voxels", s, interleaved) for s in (0.5, 0.85, 1, 1.25)]
+    ways += [(f"post, interleaved, {s:g} voxels", s, interleaved) for s in (0.5, 0.75, 0.8, 0.85, 1, 1.25)]
     ways += [(f"preintegrated, {s:g} voxels", s, text("classification", "preintegrated")) for s in (0.5, 1)]
     ways += [(f"by_opacity {o:g}, from {s:g} voxels", s, text("steps", "by_opacity") + f'<float name="step_opacity" value="{o}"/>')
              for s, o in ((0.5, 0.005), (0.5, 0.02), (0.5, 0.05), (0.25, 0.02), (0.25, 0.05))]

@@ -43,3 +43,20 @@ def test_wrong_files(tmp_path):
         file.write_bytes(damaged)
         with pytest.raises(aureole.Error):
             aureole.read_vol(file)
+
+
+def test_a_picture_states_the_errors_of_its_approximations():
+    def states(**of_integrator):
+        volume = {"type": "gridvolume", "data": np.linspace(0, 1, 8, dtype=np.float32).reshape(1, 1, 8) * np.ones((8, 8, 1), np.float32), "raw": True}
+        box = {"type": "cube", "bsdf": {"type": "null"}, "interior": {
+            "type": "classified", "value": volume, "opacity": "0 0, 0.45 0, 0.5 0.5, 0.55 0, 1 0", "colors": "0 1 0 0, 1 0 0 1"}}
+        scene = aureole.load_dict({
+            "type": "scene", "length_unit": "mm", "integrator": {"type": "dvr", **of_integrator}, "box": box, "emitter": {"type": "constant"},
+            "sensor": {"type": "perspective", "film": {"type": "hdrfilm", "width": 8, "height": 8},
+                       "to_world": aureole.Transform.look_at((5, 4, 3), (0, 0, 0), (0, 0, 1))}})
+        return aureole.render(scene, spp=1, progress=False).info["approximations"]
+
+    coarse, fine = (float(states(step=step)[0].split("light by ")[1].split(" %")[0]) for step in (2.0, 0.125))
+    assert coarse > 4 * fine
+    assert any("taylor" in line for line in states(alpha="taylor"))
+    assert states(classification="preintegrated", termination=0.0) != states(termination=0.0)
