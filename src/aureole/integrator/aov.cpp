@@ -37,17 +37,7 @@ public:
   explicit AovIntegrator(const Properties& p)
       : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
     own_colors_ = p.get_bool("colors", true) ? nested_.size() : 0;
-    for (std::size_t k = 0; k < own_colors_; ++k)
-      for (const char* c : {".R", ".G", ".B", ".A"}) {
-        names_.push_back(nested_[k].name + c);
-        meanings_.push_back((c[1] == 'A' ? "alpha" : "colour in linear sRGB") +
-                            (" of the integrator " + nested_[k].name));
-      }
-    for (const NestedIntegrator& n : nested_)
-      for (std::size_t i = 0; i < n.channels.size(); ++i) {
-        names_.push_back(n.name + "." + n.channels[i]);
-        meanings_.push_back(n.meanings[i]);
-      }
+    append_channels(nested_, own_colors_, names_, meanings_);
     specular_depth_ = int(p.get_int("specular_depth", 0, {0, 64}));
     const std::string text = p.get_string("aovs");
     constexpr const char* kSeparators = ", \t\r\n";
@@ -231,8 +221,7 @@ AUREOLE_PLUGIN(
     AovIntegrator, "integrator", "aov",
     PluginDoc{
         "Further channels of the picture (arbitrary output variables) that tell of the first surface a ray "
-        "of "
-        "the sensor meets, as a denoiser wants them. Types and channels: albedo (.R .G .B), depth (.T), "
+        "of the sensor meets, as a denoiser wants them. Types and channels: albedo (.R .G .B), depth (.T), "
         "position, geo_normal, sh_normal, dp_du, dp_dv (.X .Y .Z), uv (.U .V), prim_index, shape_index (.I); "
         "all are 0 where there is no surface, and all are filtered like the picture, so that an index or a "
         "depth at an edge is a mean. The picture is that of the first nested integrator, black without one; "
@@ -240,8 +229,7 @@ AUREOLE_PLUGIN(
         "and its own further channels. Albedo is the diffuse reflectance as linear sRGB under D65: an <rgb> "
         "reflectance as the scene has it, black for mirrors and glass. Depth is the distance along the ray "
         "from the near clip plane, in scene units; positions and their derivatives are in scene units, too. Indices count primitives of a shape from 0 and shapes of the scene "
-        "from "
-        "1. With a `specular_depth` the surface described is the first one that is not specular: up to that many mirrors, panes and glass surfaces, whose lobes are all delta, are followed as a path follows them, reflected and refracted at random; distances are summed. `component_format` float32 keeps positions and indices from being rounded to half floats.",
+        "from 1. With a `specular_depth` the surface described is the first one that is not specular: up to that many mirrors, panes and glass surfaces, whose lobes are all delta, are followed as a path follows them, reflected and refracted at random; distances are summed. `component_format` float32 keeps positions and indices from being rounded to half floats.",
         "",
         {{"aovs", "string", "", "required", "list of NAME:TYPE, separated by commas"},
          {"specular_depth", "integer", "", "0", "specular surfaces that are followed, at most 64"},

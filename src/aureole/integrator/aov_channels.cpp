@@ -29,6 +29,21 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::strin
   return nested;
 }
 
+void append_channels(const std::vector<NestedIntegrator>& nested, std::size_t colors,
+                     std::vector<std::string>& names, std::vector<std::string>& meanings) {
+  for (std::size_t k = 0; k < colors; ++k)
+    for (const char* c : {".R", ".G", ".B", ".A"}) {
+      names.push_back(nested[k].name + c);
+      meanings.push_back((c[1] == 'A' ? "alpha" : "colour in linear sRGB") +
+                         (" of the integrator " + nested[k].name));
+    }
+  for (const NestedIntegrator& n : nested)
+    for (std::size_t i = 0; i < n.channels.size(); ++i) {
+      names.push_back(n.name + "." + n.channels[i]);
+      meanings.push_back(n.meanings[i]);
+    }
+}
+
 SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested) {
   SceneNeeds all;
   bool adds_media = !nested.empty();

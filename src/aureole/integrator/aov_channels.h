@@ -26,6 +26,11 @@ struct NestedIntegrator {
 std::vector<NestedIntegrator> nested_integrators(const Properties& properties,
                                                  std::string_view documented_name);
 
+/// Appends the names and the descriptions of channels: the colours in linear sRGB and alpha of the first `colors` nested integrators, then
+/// the AOVs of all.
+void append_channels(const std::vector<NestedIntegrator>& nested, std::size_t colors,
+                     std::vector<std::string>& names, std::vector<std::string>& meanings);
+
 /// Returns the parts of a scene that nested integrators need. Throws a located Error where one diffracts light in another
 /// manner than the others, since all follow light in one scene.
 SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested);
