@@ -23,7 +23,6 @@ EXCLUDED = {
     "src/aureole/scene/edge": "rewritten together with the work on diffraction",
     "src/aureole/optics/diffraction": "rewritten together with the work on diffraction",
     "src/aureole/transport/edge": "a prefix: files and folders named edge*; rewritten together with the work on diffraction",
-    "docs/diffraction.md": "rewritten together with the work on diffraction",
     "docs/plugins.md": "generated from the plug-ins (make docs)",
     "tools/check_words.py": "holds the phrases",
 }

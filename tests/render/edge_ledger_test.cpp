@@ -355,7 +355,7 @@ TEST(EdgeLedger, NoLightLendsMoreThanItHas) {
   EXPECT_LT(largest("corner of a cube", cube, {100.1f, 100.1f, 100.1f}, 0.7), 1);
   EXPECT_LT(largest("far from all edges", square, {220, 0, 0}, 0), 1e-9);
   // Near the corners and in the middle of openings; sigma is 3.3 um at the longest wavelength. In the middle of those smaller than that,
-  // most of whose light is diffracted, it is up to .07 more than there is, and less nearer to the edges (docs/diffraction.md).
+  // most of whose light is diffracted, it is up to .07 more than there is, and less nearer to the edges (docs/diffraction_beams.md).
   for (const int corners : {3, 4, 40})
     for (const double radius : {0.3, 0.6, 1.0, 6.0})
       for (const float at : {0.99f, 0.f})

@@ -141,7 +141,7 @@ const Line kLines[] = {
     {"behind two blocks", box(-8, -8, 0, 0) + box(4, -9, 12, 1), {-9, 5.5, 1}, -0.5, {15, 5}, {15, -7}, 20},
 };
 
-/// Edges in beams of about the first zone of Fresnel: 4 m is the distance D of docs/diffraction.md, about.
+/// Edges in beams of about the first zone of Fresnel: 4 m is the distance D of docs/diffraction_beams.md, about.
 constexpr const char* kBeams =
     R"(<integer name="max_depth" value="2"/><string name="beam_width" value="fresnel 4m"/>)";
 /// Segments, with direct light and what edges diffract alone.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Power balance of diffraction: the power that edges diffract is removed from the light that passes beside
-// them (docs/diffraction.md).
+// them (docs/diffraction_beams.md).
 //
 // A point x on an edge diffracts the power E S(x) dl of light of irradiance E, where S is the integral of the
 // diffraction coefficient K over directions. That power is removed from the light near x, with a Gaussian G
@@ -39,7 +39,7 @@ struct LightWay {
 
 /// Returns an unbiased estimate of the fraction of the light that remains beside the edges along a segment:
 /// the product of 1 - D, with D the sum over the edges at one depth. It is 1 far from edges. It may be
-/// negative, and in small openings so may its mean (docs/diffraction.md). Equal arguments give equal
+/// negative, and in small openings so may its mean (docs/diffraction_beams.md). Equal arguments give equal
 /// estimates. The result is 1 in scenes without edges that diffract.
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `EdgeWalk`: diffraction in a random walk (docs/diffraction.md). `Walk` calls it at every step, so that
+// `EdgeWalk`: diffraction in a random walk (docs/diffraction_beams.md). `Walk` calls it at every step, so that
 // integrators need not know whether a scene has edges that diffract light. Without such edges every function
 // returns at once.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths around edges that diffract light (docs/diffraction.md). A point on an edge is a path vertex without
+// Paths around edges that diffract light (docs/diffraction_beams.md). A point on an edge is a path vertex without
 // area, at which the kernel of `SceneEdges` scatters light.
 //
 // Each point on an edge is sampled by one technique only. An edge vertex next to the path's far endpoint (a

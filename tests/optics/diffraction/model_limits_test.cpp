@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of docs/diffraction.md: where one model stops and the next one is needed.
+// The numbers of docs/diffraction_functions.md: where one model stops and the next one is needed.
 #include <gtest/gtest.h>
 
 #include <cmath>
