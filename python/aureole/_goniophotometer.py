@@ -36,7 +36,8 @@ class LuminaireData(Table):
     azimuths, polar_angles : numpy.ndarray
         In degrees (C and gamma of type C); a single azimuth means symmetry about the axis.
     candela : numpy.ndarray of shape (azimuths, polar_angles)
-        With the coordinates of docs/light.md, in which C = 0 is along the luminaire.
+        In the half-planes of the target's format: C = 0 is along the luminaire for LM-63 and scenes, and across it for EULUMDAT
+        (docs/light.md).
     flux, downward_flux : float
         Integral of the intensities, and of the part below 90 degrees, in lm.
     lamp_flux : float
