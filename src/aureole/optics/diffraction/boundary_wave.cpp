@@ -18,18 +18,19 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-/// The corner wave over exp(i pi r^2/2), which is a smooth function. The integral over x = tan(phi) is turned into the
-/// complex plane, x^2 = tan^2(psi) + i t/a with a = pi v^2/2, where the integrand falls as exp(-t); s = sqrt(t).
+/// Returns the corner wave over exp(i pi r^2/2), which is a smooth function. The integral over x = tan(phi)
+/// is deformed into the complex plane, x^2 = tan^2(psi) + i t/a with a = pi v^2/2, where the integrand falls
+/// as exp(-t); s = sqrt(t).
 Complex smooth_corner(double r, double psi) {
   if (r == 0) return (pi / 2 - psi) / (2 * pi);
-  // Near psi = pi/2 the line runs along the radius: the angle that is left is small, and so is the wave.
+  // Near psi = pi/2 the line runs along the radius: the remaining angle is small, and so is the wave.
   const double cosine = std::cos(psi);
   const double a = pi / 2 * r * r * cosine * cosine;
   if (a == 0) return 0;
   const double x0 = std::tan(psi), y0 = 1 / (cosine * cosine);
   static const Quadrature rule = gauss_legendre(12, 0, 1);
-  // The integrand changes where s is sqrt(a) tan(psi), sqrt(a) or 1: cells grow by a constant ratio up to the end of
-  // exp(-s^2).
+  // The integrand changes its behaviour where s is sqrt(a) tan(psi), sqrt(a) or 1: cells grow by a constant
+  // ratio up to s = kEnd, where exp(-s^2) is negligible.
   Complex sum = 0;
   constexpr double kEnd = 6.5;
   double from = 0, to = std::min(kEnd / 2, 0.25 * std::sqrt(a) * std::clamp(x0, 1e-3, 1.0));
@@ -44,7 +45,8 @@ Complex smooth_corner(double r, double psi) {
   return Complex(0, 1) * sum / (a * 2 * pi);
 }
 
-/// `smooth_corner` on a grid of x = r/(1 + r) and w, psi = (pi/2) w^2: near psi = 0 it changes within 1/r.
+/// `smooth_corner` on a grid of x = r/(1 + r) and w, where psi = (pi/2) w^2: near psi = 0 it changes within
+/// an angle of 1/r.
 class CornerTable {
 public:
   CornerTable() : values_(kRows * kColumns) {
@@ -52,12 +54,12 @@ public:
       for (int j = 0; j < kColumns; ++j) {
         const double x = double(i) / (kRows - 1);
         const double w = double(j) / (kColumns - 1), psi = pi / 2 * w * w;
-        // At r = infinity only the limit 0 is left.
+        // At r = infinity `smooth_corner` is 0.
         values_[std::size_t(i * kColumns + j)] =
             i == kRows - 1 ? Complex(0) : smooth_corner(x / (1 - x), psi);
       }
   }
-  /// The four columns about an angle, with their weights; the same for all r.
+  /// The four columns of the table about an angle, with their weights, which do not depend on r.
   class Column {
   public:
     Column(const CornerTable& table, double psi) : table_(table) {
@@ -82,13 +84,13 @@ public:
   private:
     const CornerTable& table_;
     int first_;
-    Lanes low_, high_;  ///< weights of the first and the last two columns, for real and imaginary parts
+    Lanes low_, high_;  ///< weights of two columns each, for real and imaginary parts
   };
 
 private:
   static constexpr int kRows = 129, kColumns = 97;
 
-  /// Lagrange's cubic through the points 0, 1, 2, 3.
+  /// Returns the weights of Lagrange's cubic interpolation at t through the points 0, 1, 2, 3.
   static std::array<double, 4> weights(double t) {
     const double a = t, b = t - 1, c = t - 2, d = t - 3;
     return {-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6};
@@ -103,7 +105,7 @@ const CornerTable& corner_table() {
   return table;
 }
 
-/// Up to kLanes wavelengths at once; those behind the last one repeat it.
+/// The inverses of up to kLanes wavelengths; unused lanes repeat the last wavelength.
 struct WavelengthLanes {
   WavelengthLanes(std::span<const double> wavelengths)
       : count(int(std::min<std::size_t>(kLanes, wavelengths.size()))) {
@@ -113,7 +115,8 @@ struct WavelengthLanes {
   Lanes inverse;
 };
 
-/// Adds the wave of a half line that begins at `radius` from the axis and at the angle `psi` from its foot.
+/// Adds the wave of a half line whose end has the distance `radius` from the axis and the azimuth `psi` from
+/// the foot of the perpendicular.
 void add_half_line(double factor, double radius, double psi, std::span<const double> wavelengths,
                    double window, Complex* sum) {
   const CornerTable::Column column(corner_table(), psi);
@@ -160,8 +163,8 @@ Complex wave_past_edge(double v, double w, double along) {
     const Complex shadowed = corner_wave(both, std::atan(std::abs(w) / v)) / knife_edge_field(-v);
     factor += along * (w < 0 ? shadowed : 1.0 - shadowed);
   }
-  // A piece in one direction from the segment: the integral over its distance s v from the segment, s >= 1, of the wave
-  // there times the knife edge's field for s w.
+  // A short piece of the first edge, in one direction from the segment: the integral over its distance s v, s
+  // >= 1, of the wave there times the knife edge's field at s w.
   if (along < 1)
     factor +=
         (1 - along) * (knife_edge_field(w) + w / both * knife_edge_field(-both) * std::conj(wave_factor(v)));
@@ -194,7 +197,8 @@ int BoundaryPiece::nodes(double wavelength) const {
   const double a = radius_[0] * radius_[0], b = radius_[1] * radius_[1];
   const bool has_foot = psi_[0] < 0 && psi_[1] > 0;
   const double most = std::max(a, b), least = has_foot ? foot_ * foot_ : std::min(a, b);
-  // About a foot the phase falls and rises again, so that it needs as many nodes as a line with five times its change.
+  // About the foot the phase falls and rises again: such a piece needs as many nodes as one without a foot
+  // whose phase changes five times as much.
   const double phase = pi / 2 * (most - least) / wavelength * (has_foot ? 5 : 1);
   if (most < 1.1 * least && phase < 1) return 3;
   if (most < 1.3 * least) return phase < 3 ? 5 : phase < 8 ? 8 : 0;
@@ -232,10 +236,11 @@ void BoundaryPiece::add(double factor, std::span<const double> wavelengths, doub
                         Complex* sum) const {
   if (const int n = nodes(*std::min_element(wavelengths.begin(), wavelengths.end())); n > 0)
     return add_by_rule(n, factor, wavelengths, window, sum);
-  // The wave of an endless line is that of its two halves.
+  // The wave of an infinite line is the sum of the waves of its two halves.
   if (psi_[0] < 0 && psi_[1] >= 0) add_half_line(2 * factor * c_middle_, foot_, 0, wavelengths, window, sum);
   for (int i = 0; i < 2; ++i) {
-    // The wave from the foot to an end is that of the half line less that beyond the end; psi = 0 belongs to psi > 0.
+    // The wave between the foot and an end is that of the half line from the foot minus that of the half line
+    // beyond the end; psi = 0 counts as psi > 0.
     const double sign = (psi_[i] >= 0 ? 1 : -1) * (i == 1 ? 1 : -1);
     add_half_line(-sign * factor * c_[i], radius_[i], std::min(std::abs(psi_[i]), pi / 2), wavelengths,
                   window, sum);

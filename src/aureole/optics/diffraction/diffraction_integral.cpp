@@ -16,13 +16,13 @@ namespace {
 using std::numbers::pi;
 using Rule = boost::math::quadrature::gauss<double, 10>;
 
-/// Calls visit(t, weight) for the nodes between a and b, in cells as wide as step allows.
+/// Calls visit(t, weight) for the nodes of Gauss rules between a and b, in cells as wide as `step` allows.
 template <class Step, class Visit>
 void for_nodes(double a, double b, const Step& step, const Visit& visit) {
   for (double begin = a; begin < b;) {
     double width = std::min(step(begin), b - begin);
     width = std::min(width, step(begin + width));
-    // No slivers: what is left goes into cells of equal width.
+    // The last cells have equal widths, so that none is a sliver.
     const double cells = std::ceil((b - begin) / width - 1e-9);
     if (cells < 3) width = (b - begin) / cells;
     for (std::size_t k = 0; k < Rule::abscissa().size(); ++k)
@@ -34,10 +34,10 @@ void for_nodes(double a, double b, const Step& step, const Visit& visit) {
 }
 
 struct Wave {
-  Complex value, normal_derivative;  // along z
+  Complex value, normal_derivative;  // derivative along z
 };
 
-/// exp(i k r)/r from the origin at a vector v, r = |v|, and its derivative along z.
+/// Returns exp(i k r)/r from the origin at a vector v, r = |v|, and its derivative along z.
 Wave spherical(const std::array<double, 3>& v, double k) {
   const double r = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   const Complex value = std::polar(1 / r, k * r);
@@ -50,10 +50,12 @@ Wave incident(const ScreenSource& s, double x, double y, double k) {
   return {value, Complex(0, k * s.at[2]) * value};
 }
 
-/// Cells in which the phase turns by some 6 rad at most, and that are no wider than half the distance to a pole.
+/// Returns a function for the width of cells: the phase changes by at most about 6 rad in a cell, and a cell
+/// is no wider than half the distance to a pole.
 auto phase_step(const ScreenSource& source, const std::array<double, 3>& point, double k) {
   return [=](double x, double y) {
-    // Of either coordinate: the direction of the wave to the point, and of the wave from the source.
+    // The slope of the phase along each coordinate: of the wave from the opening to the point, and of the
+    // wave from the source.
     const double rx = x - point[0], ry = y - point[1], r = std::sqrt(rx * rx + ry * ry + point[2] * point[2]);
     double slope_x = rx / r, slope_y = ry / r, nearest = r;
     if (source.is_point) {
@@ -64,7 +66,7 @@ auto phase_step(const ScreenSource& source, const std::array<double, 3>& point, 
     } else {
       slope_x += source.at[0], slope_y += source.at[1];
     }
-    // A slope of 0 lasts as long as the curvature 1/nearest allows.
+    // Where the slope is 0, the curvature of the phase, 1/nearest, limits the width.
     const double slope = k * (std::max(std::abs(slope_x), std::abs(slope_y)) + 1e-9);
     return std::min({6 / slope, std::sqrt(6 * nearest / k), 0.5 * nearest});
   };
@@ -121,7 +123,8 @@ std::complex<double> FlatOpening::integral(const std::function<std::complex<doub
           [&](double x, double weight) { sum += weight * value(x, y); });
     return sum;
   };
-  // The narrowest step that a row asks for: at its ends, and at the place where y matters most, anywhere between.
+  // The narrowest step in a row, at its ends and at seven points between, since the step in y may be smallest
+  // anywhere in it.
   const auto row_step = [&](double y) {
     double least = INFINITY;
     const std::vector<double> ends = intervals(y);
@@ -132,7 +135,8 @@ std::complex<double> FlatOpening::integral(const std::function<std::complex<doub
   };
   Complex sum = 0;
   if (!region_) {
-    // y = radius sin(t): the ends of the rows are smooth in t; those of a hole likewise between its own extremes.
+    // With y = radius sin(t) the ends of the rows are smooth functions of t; those of a hole are smooth in
+    // its own t.
     const auto part = [&](double from, double to, double radius) {
       for_nodes(
           std::asin(std::clamp(from / radius, -1.0, 1.0)), std::asin(std::clamp(to / radius, -1.0, 1.0)),
@@ -140,8 +144,8 @@ std::complex<double> FlatOpening::integral(const std::function<std::complex<doub
           [&](double t, double weight) { sum += weight * radius * std::cos(t) * row(radius * std::sin(t)); });
     };
     if (inner_ > 0) {
-      // Above and below the hole the rows' ends are smooth at its rim, beside it in the hole's own t; a row just above it is cut in
-      // two without a jump.
+      // Above and below the hole its rim does not cut the rows; beside it the rows' ends are smooth in the
+      // hole's own t. Rows just above the hole and just inside it have integrals that join without a jump.
       part(-radius_, -inner_, radius_);
       part(-inner_, inner_, inner_);
       part(inner_, radius_, radius_);
@@ -156,7 +160,7 @@ std::complex<double> FlatOpening::integral(const std::function<std::complex<doub
   std::sort(heights.begin(), heights.end());
   heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
   for (std::size_t i = 0; i + 1 < heights.size(); ++i) {
-    // The phase along a slanted side changes with x, too.
+    // Along a slanted side the phase changes with x as well.
     double slant = 1;
     for (const Ring& ring : region_->rings())
       for (std::size_t j = 0; j < ring.size(); ++j) {
@@ -194,7 +198,7 @@ std::complex<double> rayleigh_sommerfeld(const FlatOpening& opening, const Scree
   require_behind(point, k);
   const Complex sum = opening.integral(
       [&](double x, double y) {
-        // d/dz of the wave at the point, towards the point: -dG/dz' on the screen.
+        // The derivative is taken with respect to z of the point, which is -dG/dz' on the screen.
         return incident(source, x, y, k).value *
                spherical({point[0] - x, point[1] - y, point[2]}, k).normal_derivative;
       },

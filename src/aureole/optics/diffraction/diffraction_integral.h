@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scalar diffraction integrals over an opening in an opaque plane screen, by quadrature whose steps follow the phase. Slow and
-// exact: what approximations are tested against. Time dependence exp(-i omega t).
+// Scalar diffraction integrals over an opening in an opaque plane screen, by quadrature whose steps follow
+// the phase. They are slow and exact: approximations are tested against them. Time dependence exp(-i omega
+// t).
 #pragma once
 
 #include <array>
@@ -17,11 +18,11 @@ namespace aureole::optics {
 class FlatOpening {
 public:
   static FlatOpening polygon(PolygonRegion region);
-  /// A ring, or a disc where `inner` is 0, about the origin. Throws std::domain_error unless 0 <= inner < radius.
+  /// A ring about the origin, or a disc if `inner` is 0. Throws std::domain_error unless 0 <= inner < radius.
   static FlatOpening disc(double radius, double inner = 0);
 
-  /// Integral over the opening of value(x, y). Nodes of Gauss's rule lie in cells that are at most step(x, y) wide, along x and
-  /// along y; `step` is asked at both ends of a cell.
+  /// Returns the integral of value(x, y) over the opening, by Gauss rules on cells that are at most step(x,
+  /// y) wide along x and along y; `step` is evaluated at both ends of a cell.
   std::complex<double> integral(const std::function<std::complex<double>(double, double)>& value,
                                 const std::function<double(double, double)>& step) const;
 
@@ -38,20 +39,22 @@ struct ScreenSource {
   static ScreenSource point(std::array<double, 3> position);
 
   bool is_point = false;
-  std::array<double, 3> at;  ///< unit vector of travel, z > 0, or the position, z < 0
+  std::array<double, 3> at;  ///< unit direction with z > 0, or position with z < 0
 };
 
-/// The first integral of Rayleigh & Sommerfeld at a point with z > 0,
+/// Returns the first integral of Rayleigh & Sommerfeld at a point with z > 0,
 ///   U = (1/2 pi) integral of U_0 (z/r) (1/r - i k) exp(i k r)/r dS
-/// (Goodman, Introduction to Fourier Optics, 4th ed. 2017, 3.5): exact where the field in the opening is that of the source and 0 on
-/// the screen. Relative error near 1e-10 of a field that is not cancelled; the time grows with the number of Fresnel zones.
+/// (Goodman, Introduction to Fourier Optics, 4th ed. 2017, 3.5). It is exact if the field in the opening is
+/// that of the source and the field on the screen is 0. The relative error is near 1e-10 where waves do not
+/// cancel; the time grows with the number of Fresnel zones.
 std::complex<double> rayleigh_sommerfeld(const FlatOpening& opening, const ScreenSource& source,
                                          std::array<double, 3> point, double k);
-/// Kirchhoff's integral, (1/4 pi) integral of (G dU_0/dz - U_0 dG/dz) dS with G = exp(i k r)/r (Goodman 2017, 3.4).
+/// Returns Kirchhoff's integral, (1/4 pi) integral of (G dU_0/dz - U_0 dG/dz) dS with G = exp(i k r)/r
+/// (Goodman 2017, 3.4).
 std::complex<double> kirchhoff(const FlatOpening& opening, const ScreenSource& source,
                                std::array<double, 3> point, double k);
-/// Fraunhofer's integral, F(q) = integral of exp(-i q.x) dS, q in rad per length: far behind the opening, in the direction
-/// q/k from the plane wave, U = k/(2 pi i) exp(i k R)/R F.
+/// Returns Fraunhofer's integral, F(q) = integral of exp(-i q.x) dS, q in rad per length. Far behind the
+/// opening, in the direction that differs by q/k from that of the plane wave, U = k/(2 pi i) exp(i k R)/R F.
 std::complex<double> fraunhofer(const FlatOpening& opening, PlanePoint q);
 
 }  // namespace aureole::optics

@@ -64,7 +64,7 @@ std::vector<DiffractingEdge> balanced_edges(std::span<const DiffractingEdge> edg
   const auto follows = [](const DiffractingEdge& x, const DiffractingEdge& y) {
     return x.to.x == y.from.x && x.to.y == y.from.y;
   };
-  // Whose join would be nothing, the two edges of a closed chain, stay.
+  // The two edges of a closed chain stay, since their join would have no length.
   const auto may_join = [&](std::size_t i, std::size_t j) {
     return i != j && follows(all[i], all[j]) && !follows(all[j], all[i]);
   };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directions drawn in proportion to what single edges diffract: the mixture, over edges, of alpha_1^2 and alpha_2^2
-// with the 0th order removed. Waves of several edges interfere; what is drawn here is weighted with the true |F|^2.
+// Importance sampling of directions by the power that single edges diffract: the mixture, over edges, of
+// alpha_1^2 and alpha_2^2 with the 0th order removed. Waves of several edges interfere; a sample is weighted
+// with the true |F|^2 over this density.
 #pragma once
 
 #include <cmath>
@@ -12,16 +13,17 @@
 
 namespace aureole::optics {
 
-/// Draws (along, across) in proportion to (1 - chi) alpha_1^2 or (1 - chi) alpha_2^2, chi a Gaussian of the standard
-/// deviation `sigma` > 0 (0 only for alpha_1), exactly and without tables. 1/zeta^4 is the integral over v of
-/// v exp(-v zeta^2), and chi/zeta^4 that of (v - v0) exp(-v zeta^2) over v > v0 = 1/(2 sigma^2); so
+/// Samples (along, across) in proportion to (1 - chi) alpha_1^2 or (1 - chi) alpha_2^2, exactly and without
+/// tables. chi is a Gaussian of standard deviation `sigma` > 0 (0 is allowed only for alpha_1). With v0 =
+/// 1/(2 sigma^2), 1/zeta^4 is the integral over v of v exp(-v zeta^2), and chi/zeta^4 that of (v - v0) exp(-v
+/// zeta^2) over v > v0; so
 ///   (1 - chi)/zeta^4 = integral of min(v, v0) exp(-v zeta^2) dv,
-/// a mixture in which both coordinates are independent. v and `along` are drawn by rejection: 8 to 13
+/// a mixture in which both coordinates are independent. v and `along` are sampled by rejection: 8 to 13
 /// random numbers and 0.3 to 0.5 us per sample on average. `uniform` returns independent numbers in [0, 1).
 template <class Uniform>
 PlanePoint sample_canonical(bool is_alpha1, double sigma, Uniform&& uniform);
 
-/// The mixture for a set of edges. It keeps no memory of its own: `powers` has one entry per edge.
+/// The mixture for a set of edges. The caller owns its memory: `shares` has one entry per edge.
 class EdgeDensity {
 public:
   struct Share {
@@ -29,13 +31,14 @@ public:
     double running = 0;  ///< sum of the powers up to and with this edge
   };
 
-  /// Edges and shares must outlive this. Throws std::domain_error where a power is not finite: with ZerothOrder::kept()
-  /// that of an edge whose mean amplitude is not 0. Nothing may be drawn where total() is 0.
+  /// `edges` and `shares` must outlive this object. Throws std::domain_error if a power is not finite, as
+  /// with ZerothOrder::kept() for an edge whose mean amplitude is not 0. `sample` must not be called if
+  /// total() is 0.
   EdgeDensity(std::span<const DiffractingEdge> edges, ZerothOrder zeroth, std::span<Share> shares);
 
-  /// Sum over edges of what each diffracts alone.
+  /// Returns the sum over edges of the power that each diffracts alone.
   double total() const { return shares_.empty() ? 0 : shares_.back().running; }
-  /// Per d2q; its integral over the plane is 1.
+  /// Returns the density per d2q; its integral over the plane is 1.
   double pdf(PlanePoint q) const;
   template <class Uniform>
   PlanePoint sample(Uniform&& uniform) const;
@@ -46,30 +49,33 @@ private:
   std::span<const Share> shares_;
 };
 
-/// How well the mixture fits: the power that edges diffract together over the sum of what they diffract alone
-/// (Steinberg et al. 2024, S3.2). Near 1 is good; below, waves cancel, above, they amplify one another.
+/// Returns the power that the edges diffract together over the sum of the powers that they diffract alone
+/// (Steinberg et al. 2024, S3.2). Near 1 the mixture fits well; below, waves cancel, above, they amplify one
+/// another.
 double sampling_quality(double diffracted_power, std::span<const DiffractingEdge> edges, ZerothOrder zeroth);
 
-/// Edges for an EdgeDensity with a quality in [0.5, 2] as far as it can be had: the longest is halved while it is
-/// below, the shortest joined to the shorter of its neighbours while it is above, down to one edge per chain and up to
-/// `most_edges`. Their waves are another field where edges that were joined are not collinear: the field is always that
-/// of the edges given, which stay as they are.
+/// Returns edges for an EdgeDensity, with a `sampling_quality` in [0.5, 2] if it can be reached. While the
+/// quality is below, the longest edge is halved, up to `most_edges` edges. While it is above, the shortest
+/// edge is joined to the shorter of its neighbours, down to one edge per chain. Joined edges that are not
+/// collinear have another field: the field is always that of the edges given, which stay as they are.
 std::vector<DiffractingEdge> balanced_edges(std::span<const DiffractingEdge> edges, ZerothOrder zeroth,
                                             double diffracted_power, std::size_t most_edges = 4096);
 
 template <class Uniform>
 PlanePoint sample_canonical(bool is_alpha1, double sigma, Uniform&& uniform) {
-  // Envelopes of the factor of `along`, f(x) = sinc^2(x/2) or ((cos(x/2) - sinc(x/2))/x)^2: below v1 a peak and a
-  // tail of 1/x^2, min(a x^n, b/x^2), without the Gaussian; above, a x^n exp(-v x^2) with the same n = 0 or 2.
+  // Envelopes of the factor of `along`, f(x) = sinc^2(x/2) or ((cos(x/2) - sinc(x/2))/x)^2. For v < v1 the
+  // envelope is a peak and a tail of 1/x^2, min(a x^n, b/x^2), without the Gaussian; for v > v1 it is a x^n
+  // exp(-v x^2). n is 0 or 2 in both.
   const double peak = is_alpha1 ? 1. / 144 : 1, tail = is_alpha1 ? 1.0634 * 1.0634 : 4;
-  const double knee = is_alpha1 ? std::sqrt(std::sqrt(tail / peak)) : 2;  // where both are equal
+  const double knee = is_alpha1 ? std::sqrt(std::sqrt(tail / peak)) : 2;  // where peak and tail are equal
   const double low_mass = 2 * (peak * (is_alpha1 ? knee * knee * knee / 3 : knee) + tail / knee);
   const double high_mass = std::sqrt(std::numbers::pi) * (is_alpha1 ? 0.5 * peak : peak);  // times v^-p
   const double p = is_alpha1 ? 1.5 : 0.5;
   const double v1 = std::pow(high_mass / low_mass, 1 / p);
   const double v0 = sigma > 0 ? 0.5 / (sigma * sigma) : INFINITY;
 
-  // The envelope of v: powers on three intervals, min(v, v0) v^-3/2 low_mass or high_mass v^-p.
+  // The envelope of v consists of powers on three intervals: min(v, v0) v^-3/2 low_mass below v1, and
+  // high_mass v^-p above.
   struct Piece {
     double begin, end, factor, exponent;
     double primitive(double v) const {
@@ -89,7 +95,7 @@ PlanePoint sample_canonical(bool is_alpha1, double sigma, Uniform&& uniform) {
     return std::sqrt(-2 * log_uniform()) * std::cos(2 * std::numbers::pi * uniform());
   };
   for (;;) {
-    double at = (1 - uniform()) * (masses[0] + masses[1] + masses[2]);  // never 0, where v would be
+    double at = (1 - uniform()) * (masses[0] + masses[1] + masses[2]);  // never 0, which would make v 0
     int i = 0;
     while (i < 2 && at >= masses[i]) at -= masses[i++];
     const Piece& piece = pieces[i];
@@ -111,7 +117,7 @@ PlanePoint sample_canonical(bool is_alpha1, double sigma, Uniform&& uniform) {
       x /= std::sqrt(v);
       envelope = peak * (is_alpha1 ? x * x : 1);
     }
-    // alpha at across = |(x, y)|^2/y is the factor over 2 pi, whatever y.
+    // alpha at across = |(x, y)|^2/y is the factor over 2 pi, whatever y is.
     const double factor =
         2 * std::numbers::pi * (is_alpha1 ? edge_alpha1(x, 1) : edge_alpha2(x, 1)) * (x * x + 1);
     if (uniform() * envelope >= factor * factor) continue;

@@ -10,12 +10,13 @@ namespace {
 
 using std::numbers::pi;
 
-/// Four edges as they are seen, by half of their way and their middle.
+/// Four projected edges, by half of their vectors and by their midpoints.
 struct SeenEdges {
   Lanes half_x, half_y, middle_x, middle_y;
 };
 
-/// What edges add to the wave, four of them or one at four wavelengths: 2 half_y sin(p.half)/(p.half) exp(i p.middle).
+/// Adds the wave of four edges at one wavelength, or of one edge at four: 2 half_y sin(p.half)/(p.half) exp(i
+/// p.middle).
 inline void add_wave(const Lanes& px, const Lanes& py, const SeenEdges& e, Lanes& re, Lanes& im) {
   Lanes sine, cosine, half_sine, half_cosine;
   const Lanes half = px * e.half_x + py * e.half_y;
@@ -32,14 +33,14 @@ double sum(const Lanes& lanes) {
   return sum;
 }
 
-/// Light that turns by `turn`, and s by the two numbers.
+/// A change of direction `turn`, and the two standard normal numbers that are s times 2 sigma.
 struct DrawnWave {
   PlanePoint normal;
   double turn;
 };
 
-// In the functions below seen(i) -> SeenEdges are the four edges from 4 i on, i < fours; `share` is the edge's part of the light over its
-// length.
+// In the functions below seen(i) -> SeenEdges returns the four edges from number 4 i on, for i < fours;
+// `share` is the edge's relative power over its length.
 
 template <class Seen>
 double kernel_at_one(std::size_t fours, const Seen& seen, DrawnWave drawn, double share, double k,
@@ -53,7 +54,7 @@ double kernel_at_one(std::size_t fours, const Seen& seen, DrawnWave drawn, doubl
          (real * real + imaginary * imaginary);
 }
 
-/// At N times four wavelengths.
+/// Evaluates the kernel at 4 N wavelengths.
 template <int N, class Seen>
 void kernels_at_many(std::size_t fours, const Seen& seen, DrawnWave drawn, double share, const double* k,
                      const double* sigma, double* result) {
@@ -83,7 +84,8 @@ void kernels_at_many(std::size_t fours, const Seen& seen, DrawnWave drawn, doubl
 template <class Seen>
 void kernels(std::size_t fours, const Seen& seen, DrawnWave drawn, double share, std::span<const double> k,
              std::span<const double> sigma, std::span<double> result) {
-  // Of a band so narrow that all of its waves have the same phases within some hundredths one is computed.
+  // If the band is so narrow that all of its waves have the same phases within some hundredths of a radian,
+  // one wavelength is computed.
   const auto [longest, shortest] = std::minmax_element(k.begin(), k.end());
   const auto [narrowest, widest] = std::minmax_element(sigma.begin(), sigma.end());
   constexpr double kExtent = 14, kSame = 0.05;
@@ -106,7 +108,8 @@ Lanes dot(const Lanes (&a)[3], SpaceVector b) { return a[0] * b.x + a[1] * b.y +
 void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
                         double turn, std::span<const double> k, std::span<const double> sigma,
                         std::span<double> result) {
-  // Of (m.q)^2, with q along x, the squared part across q of the length that is seen, over the squared length.
+  // (m.q)^2 of an edge, with q along x: the squared component across q of its projection, over its squared
+  // length.
   double own = 0, all = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (!(edges[i].length > 0)) continue;
@@ -131,7 +134,7 @@ void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index,
 
 EdgeGroup::EdgeGroup(std::span<const Edge> edges) : fours_((edges.size() + kLanes - 1) / kLanes, Four{}) {
   if (edges.empty()) return;
-  // Places count from one of its own: coordinates may be large against the group.
+  // Positions are relative to a point of the group: coordinates may be large compared with its size.
   const SpaceVector o = edges[0].a;
   const auto set = [](Lanes(&to)[3], std::size_t lane, double x, double y, double z) {
     to[0][lane] = x, to[1][lane] = y, to[2][lane] = z;
@@ -173,7 +176,7 @@ void EdgeGroup::drawn_kernels(std::size_t index, SpaceVector d, SpaceVector x, P
   const double own = light(of_own, d, y)[lane] * of_own.inverse_length[lane];
   const auto seen = [&](std::size_t i) {
     const Four& four = fours_[i];
-    // The side of the obstacle.
+    // The sign tells on which side of the edge the obstacle lies.
     const Lanes side = outline(four, d) * (dot(four.n0, d) < 0 ? Lanes{} + 1 : Lanes{} - 1);
     return SeenEdges{side * dot(four.half, x), side * dot(four.half, y), dot(four.middle, x),
                      dot(four.middle, y)};

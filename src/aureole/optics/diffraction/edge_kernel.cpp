@@ -21,7 +21,7 @@ SpaceVector cross(SpaceVector a, SpaceVector b) {
 }
 SpaceVector scaled(SpaceVector a, double s) { return {a.x * s, a.y * s, a.z * s}; }
 SpaceVector normalised(SpaceVector a) { return scaled(a, 1 / std::sqrt(dot(a, a))); }
-/// Any unit vector across `a`.
+/// Returns a unit vector perpendicular to `a`, in an arbitrary direction.
 SpaceVector across(SpaceVector a) {
   return normalised(std::abs(a.x) < std::abs(a.y) ? cross(a, {1, 0, 0}) : cross(a, {0, 1, 0}));
 }
@@ -45,7 +45,7 @@ std::optional<SpaceVector> DirectionMap::direction(PlanePoint q) const {
 }
 
 PlanePoint DirectionMap::wave_vector(SpaceVector direction) const {
-  // 1/cos(theta/2), finite but straight back, where no direction across is left either.
+  // 1/cos(theta/2). The bound keeps it finite for the reversed direction, whose components across are 0.
   const double scale = k_ / std::sqrt(std::max(0.5 * (1 + dot(direction, z_)), 1e-300));
   return {dot(direction, x_) * scale, dot(direction, y_) * scale};
 }
@@ -102,7 +102,7 @@ double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index,
     const double ux = ex / length, uy = ey / length;
     const double begin = (edge.from.x - x.x) * ux + (edge.from.y - x.y) * uy;
     const double fx = edge.from.x - x.x - begin * ux,
-                 fy = edge.from.y - x.y - begin * uy;  // to the foot of x
+                 fy = edge.from.y - x.y - begin * uy;  // from x to the foot of x on the line
     const double decay = (fx * fx + fy * fy) / (scale * scale);
     if (decay > 40) continue;
     const std::complex<double> line = scale * gaussian_wave_integral(begin / scale, (begin + length) / scale,
@@ -117,8 +117,8 @@ double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index,
 
 namespace {
 
-/// Weideman's coefficients: w(z) = 1/(sqrt(pi) (L - iz)) + 2/(L - iz)^2 sum a_n Z^n with Z = (L + iz)/(L - iz), a_n those of the Fourier
-/// series of (L^2 + t^2) exp(-t^2) in the angle 2 atan(t/L).
+/// Weideman's coefficients: w(z) = 1/(sqrt(pi) (L - iz)) + 2/(L - iz)^2 sum a_n Z^n with Z = (L + iz)/(L -
+/// iz), a_n being the Fourier coefficients of (L^2 + t^2) exp(-t^2) in the angle 2 atan(t/L).
 struct FaddeevaSeries {
   static constexpr int kTerms = 24;
   double scale, a[kTerms];
@@ -137,7 +137,7 @@ struct FaddeevaSeries {
 };
 const FaddeevaSeries kSeries;
 
-/// Faddeeva's function at x + i y, y >= 0, of N groups of arguments: their sums run side by side.
+/// Evaluates Faddeeva's function at x + i y, y >= 0, for N groups of arguments, whose sums are interleaved.
 template <int N>
 [[gnu::always_inline]] inline void faddeeva_lanes(const Lanes (&x)[N], const Lanes (&y)[N], Lanes (&re)[N],
                                                   Lanes (&im)[N]) {
@@ -150,7 +150,7 @@ template <int N>
     r2[i] = u[i] * u[i] + v[i] * v[i];
     b1[i] = b2[i] = Lanes{};
   }
-  // The polynomial by Goertzel's recurrence, which needs real products only.
+  // The polynomial is evaluated by Goertzel's recurrence, which needs real products only.
   for (int n = FaddeevaSeries::kTerms - 1; n > 0; --n)
     for (int i = 0; i < N; ++i) {
       const Lanes b = 2 * u[i] * b1[i] + (kSeries.a[n] - r2[i] * b2[i]);
@@ -164,7 +164,7 @@ template <int N>
   }
 }
 
-/// exp(-20) is left out.
+/// Factors below exp(-kNegligible) are left out.
 constexpr double kNegligible = 20;
 
 double largest(const Lanes& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
@@ -176,7 +176,7 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
   const ProjectedEdge& own = edges[0];
   const double vx = own.to.x - own.from.x, vy = own.to.y - own.from.y;
   const PlanePoint x{own.from.x + at * vx, own.from.y + at * vy};
-  Lanes q[N], inverse[N], along[N], sum[N];  // wave number, 1/(sqrt(8) sigma), beta of an edge along x
+  Lanes q[N], inverse[N], along[N], sum[N];  // wave number; 1/(sqrt(8) sigma); beta of an edge along x
   double widest = 0, narrowest_cone = INFINITY;
   for (int i = 0; i < N; ++i) {
     q[i] = turn * load_lanes(k + i * kLanes);
@@ -205,7 +205,8 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
         line[i] = 2 * exp_minus(beta * beta + foot2 * inverse[i] * inverse[i]) * cosine;
       }
     }
-    // The parts missing beyond its ends; for an edge to one side of x, the difference of the two.
+    // Subtracts the parts of the infinite line beyond the ends of the edge. If the foot of x lies outside the
+    // edge, the edge is the difference of the two.
     const auto add_end = [&](const PlanePoint& p, double a, bool is_behind, double sign) {
       const double distance2 = p.x * p.x + p.y * p.y;
       if (distance2 > reach2) return;
@@ -233,7 +234,7 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
   }
 }
 
-/// What depends on u of the integral for S, for u in [0, kLargest].
+/// The factors of the integrand of S that depend on u only, for u in [0, kLargest].
 class PowerTable {
 public:
   static constexpr double kLargest = 16;
@@ -266,12 +267,12 @@ const PowerTable& power_table() {
   return table;
 }
 
-/// S for one or more sigma, from the edges one after the other.
+/// Sums S at a point x over the edges, for up to kMost values of sigma.
 class EdgePowerSum {
 public:
   static constexpr int kMost = 4;
 
-  /// `normal`: of the edge at x, of length 1.
+  /// `normal` is the unit normal of the edge at x.
   EdgePowerSum(PlanePoint x, PlanePoint normal, std::span<const double> sigma)
       : x_(x), normal_(normal), count_(int(sigma.size())) {
     widest_ = 0, narrowest_ = INFINITY;
@@ -311,7 +312,8 @@ private:
   struct Line {
     double ux, uy, foot_x, foot_y, off2, parallel;
   };
-  /// In sigma: where the logarithm alone is integrated, and the widest panel.
+  /// Half width of the innermost cell, in which only the logarithm is integrated, and largest width of a
+  /// cell, in sigma.
   static constexpr double kInnermost = 0.02, kWidest = 1.4;
 
   void add_innermost(double size) {
@@ -319,7 +321,7 @@ private:
     for (int i = 0; i < count_; ++i)
       sum_[i] += size * (3 - std::numbers::egamma - std::log(size * size) - log_per_u_[i]);
   }
-  /// Panels that grow with the distance, as far as coherence goes.
+  /// Adds one side of an edge by cells that grow with the distance from x, up to `reach_`.
   void add_side(const Line& line, double from, double to, double sign) {
     double rest = sign * (to - from);
     while (rest > 0) {
@@ -365,7 +367,8 @@ void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, d
     return;
   }
   const double sine = shown / own.length, cosine = std::sqrt(std::max(0.0, 1 - sine * sine));
-  // S is smooth in sigma: at four places between the smallest and the largest one, and a cubic through them.
+  // S is smooth in sigma: it is evaluated at four values between the smallest and the largest sigma and
+  // interpolated by a cubic.
   const auto [least, most] = std::minmax_element(sigma.begin(), sigma.end());
   const bool is_one = *most - *least < 1e-6 * *most;
   double nodes[EdgePowerSum::kMost];
@@ -388,7 +391,8 @@ void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, d
 
 namespace {
 
-/// Of (sigma q)^2 in the removal of the 0th order at a straight edge: (1 - exp(-b 9/4))^2 = .991.
+/// The factor b of (sigma q)^2 in the removal of the 0th order at a straight edge; (1 - exp(-b 9/4))^2 =
+/// 0.991.
 constexpr double kStraightRemoval = 2.4;
 
 }  // namespace
@@ -410,7 +414,7 @@ void straight_edge_kernels(double across, double along, double shown, std::span<
 
 namespace {
 
-/// Of an endless edge over the whole plane of q, over sigma.
+/// Returns the power of an infinite edge, integrated over the whole plane of q, over sigma.
 double whole_straight_power() {
   static const double power = std::sqrt(kStraightRemoval / pi) * (2 - std::numbers::sqrt2);
   return power;
@@ -419,7 +423,7 @@ double whole_straight_power() {
 }  // namespace
 
 double straight_edge_power(double cosine, double k, double sigma) {
-  // Less what has no direction (`mean_edge_powers`).
+  // Subtracts the power of wave vectors to which no direction belongs, as in `mean_edge_powers`.
   return whole_straight_power() * std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma -
          std::abs(cosine) / (4 * k);
 }
@@ -440,7 +444,7 @@ void add_straight_edge_corrections(double across, double along, double shown, st
 }
 
 double straight_edge_power_correction(double cosine, double sigma) {
-  // `mean_edge_powers` along an endless edge: the integral of exp(-t^2) (E1(t^2) + (1 - exp(-t^2))/t^2).
+  // `mean_edge_powers` of an infinite edge: the integral of exp(-t^2) (E1(t^2) + (1 - exp(-t^2))/t^2).
   static const double mean =
       std::sqrt(1 / (8 * pi)) * 2 * (std::log(1 + std::numbers::sqrt2) + std::numbers::sqrt2 - 1);
   return std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma * (whole_straight_power() - mean);

@@ -16,7 +16,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// E1(u) + ln(u) and (1 - exp(-u))/u, both entire, by cubic interpolation: exact forms take ten times as long.
+/// E1(u) + ln(u) and (1 - exp(-u))/u, both entire functions, by cubic interpolation: their exact forms take
+/// ten times as long.
 class PairFunctions {
 public:
   PairFunctions() {
@@ -58,7 +59,7 @@ struct Node {
   std::complex<double> weight;  // amplitude times length of the piece
 };
 
-/// Calls visit for the nodes of Gauss's rule on pieces of an edge.
+/// Calls visit(node) for the nodes of Gauss rules on `pieces` equal pieces of an edge.
 template <int kNodes, class Visit>
 void for_nodes(const DiffractingEdge& edge, int pieces, const Visit& visit) {
   using Rule = boost::math::quadrature::gauss<double, kNodes>;
@@ -75,14 +76,14 @@ template <int kNodes>
 double pair_power(const DiffractingEdge& first, const DiffractingEdge& second, double sigma) {
   const PairFunctions& functions = pair_functions();
   const PlanePoint e = first.vector(), f = second.vector();
-  const double parallel = e.x * f.x + e.y * f.y;  // of the normals, too
+  const double parallel = e.x * f.x + e.y * f.y;  // also the product of the normals
   const auto pieces = [&](const DiffractingEdge& edge) { return 1 + int(edge.length() * sigma); };
   const int pieces_of_first = pieces(first), pieces_of_second = pieces(second);
   double sum = 0;
   for_nodes<kNodes>(first, pieces_of_first, [&](const Node& p) {
     for_nodes<kNodes>(second, pieces_of_second, [&](const Node& s) {
       const double x = p.at.x - s.at.x, y = p.at.y - s.at.y, r2 = x * x + y * y;
-      if (!(r2 > 0)) return;  // edges that cross in a node
+      if (!(r2 > 0)) return;  // the edges cross in a node
       const auto [e1, h] = functions(0.5 * sigma * sigma * r2);
       const double along = (x * e.y - y * e.x) * (x * f.y - y * f.x) / r2;
       sum += (p.weight * std::conj(s.weight)).real() * ((e1 + h) * parallel - 2 * h * along);
@@ -93,7 +94,8 @@ double pair_power(const DiffractingEdge& first, const DiffractingEdge& second, d
 
 bool same(PlanePoint a, PlanePoint b) { return a.x == b.x && a.y == b.y; }
 
-/// Of two edges that lie on one another, where nodes would coincide: `second` as it is, or the other way round.
+/// Returns the power of two edges with equal endpoints, where nodes would coincide. `is_reversed`: the second
+/// edge runs in the opposite direction.
 double coincident_power(const DiffractingEdge& first, const DiffractingEdge& second, bool is_reversed,
                         double sigma) {
   const double length = first.length();
@@ -125,9 +127,10 @@ double interfering(std::span<const DiffractingEdge> edges, double sigma) {
 }  // namespace
 
 EdgeConstants edge_constants(double canonical_sigma) {
-  // The integral over zeta is that of interfering_power along one edge of length 1, on which the amplitude is 1 or
-  // s in [-1/2, 1/2]: (1/4 pi) times the integral over r in [0, 1] of w(r) (E1(u) + h(u)), u = c r^2, with
-  // w = 1 - r, and 1/12 - r/4 + r^3/6. Below, `moment` are the integrals for w = 1, r and r^3.
+  // The integral over zeta is that of interfering_power along one edge of length 1, on which the amplitude is
+  // 1 or s in [-1/2, 1/2]: (1/4 pi) times the integral over r in [0, 1] of w(r) (E1(u) + h(u)), with u = c
+  // r^2 and w = 1 - r for the constant amplitude, w = 1/12 - r/4 + r^3/6 for the linear one. Below, `moment`
+  // holds the integrals for w = 1, r and r^3.
   const double c = 0.5 * canonical_sigma * canonical_sigma;
   if (!(c > 1e-12))
     return {1 / (64 * pi), c > 0 ? (4 - std::numbers::egamma - std::log(c)) / (8 * pi) : INFINITY};
@@ -138,7 +141,7 @@ EdgeConstants edge_constants(double canonical_sigma) {
   if (c > 1e-2) {
     const double gauss3 = (loss - c * std::exp(-c)) / (2 * c * c);
     moment[2] = 0.25 * e1 + 0.5 * gauss3 + (0.5 - gauss1) / c;
-  } else {  // where the last two terms cancel
+  } else {  // a series, since the last two terms cancel
     moment[2] = 0.25 * e1 + 0.375 - c * (1. / 6 - c * (5. / 96 - c / 80));
   }
   return {(moment[0] / 12 - moment[1] / 4 + moment[2] / 6) / (4 * pi), (moment[0] - moment[1]) / (4 * pi)};
@@ -174,10 +177,10 @@ double diffracted_power(std::span<const DiffractingEdge> edges, ZerothOrder zero
     is_real = is_real && e.a.imag() == 0 && e.b.imag() == 0;
   }
   const double extent = std::hypot(high.x - low.x, high.y - low.y);
-  // Gauss's rule along q: a midpoint rule would see the kink of q at 0.
+  // Gauss rules along q: a midpoint rule would be inaccurate at the kink of q at 0.
   using Rule = boost::math::quadrature::gauss<double, 10>;
   const int cells = std::max(8, int(std::ceil(q_max * extent * 6 / (2 * pi) / 10)));
-  // F(-q) = conj F(q) where amplitudes are real.
+  // F(-q) = conj F(q) if amplitudes are real.
   const double turn = is_real ? pi : 2 * pi;
   double sum = 0;
   for (int c = 0; c < cells; ++c)

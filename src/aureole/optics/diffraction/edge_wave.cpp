@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-/// sin(h)/h, and (cos(h) - sin(h)/h)/h, which cancels near 0.
+/// sin(h)/h, and (cos(h) - sin(h)/h)/h, which is evaluated by its series near 0, where it cancels.
 struct Ends {
   double sinc, slope;
 };

@@ -41,14 +41,15 @@ PlanePoint GaussianBeam::sample(double u1, double u2) const {
 }
 
 double GaussianBeam::power(std::span<const PlanePoint> ring) const {
-  // Seen from the centre an edge at the distance h (in sigma) covers an angle between phi1 and phi2 from its foot; the part of the
-  // beam between centre and edge is the integral of (1 - exp(-h^2/(2 cos^2 phi)))/(2 pi) over that angle.
+  // Seen from the centre, an edge at the distance h (in sigma) subtends the angles phi1 to phi2 from its
+  // foot. The part of the beam between centre and edge is the integral of (1 - exp(-h^2/(2 cos^2 phi)))/(2
+  // pi) over these angles.
   double sum = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const PlanePoint a = ring[i], b = ring[(i + 1) % ring.size()];
     const double ex = b.x - a.x, ey = b.y - a.y, length = std::hypot(ex, ey);
     if (length == 0) continue;
-    const double h = (a.x * ey - a.y * ex) / length;  // > 0 where the edge turns counter-clockwise
+    const double h = (a.x * ey - a.y * ex) / length;  // > 0 if counter-clockwise about the centre
     if (h == 0) continue;
     const double t1 = (a.x * ex + a.y * ey) / length / std::abs(h),
                  t2 = (b.x * ex + b.y * ey) / length / std::abs(h);

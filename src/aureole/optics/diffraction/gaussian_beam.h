@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Gaussian beam in the plane across its direction, the light that edges see of a ray. Even illumination is an
-// incoherent sum of such beams with centres everywhere: the integral over centres c of |amplitude(x - c)|^2 is 1, and that
-// of amplitude(x - c) amplitude(x' - c) is exp(-|x - x'|^2/(8 sigma^2)), the coherence of the light.
+// A Gaussian beam in the plane perpendicular to its direction: the coherent light about a ray that edges
+// diffract. Uniform illumination is an incoherent sum of such beams with centres everywhere. The integral
+// over centres c of |amplitude(x - c)|^2 is 1, and the integral of amplitude(x - c) amplitude(x' - c) is
+// exp(-|x - x'|^2/(8 sigma^2)), the coherence of the light.
 #pragma once
 
 #include <span>
@@ -10,35 +11,38 @@
 
 namespace aureole::optics {
 
-/// Points of the plane are relative to the beam's centre. Power 1, so that amplitudes are 1/length.
+/// A Gaussian beam of power 1, so that amplitudes are 1/length. Points are relative to the beam's centre.
 class GaussianBeam {
 public:
-  /// `sigma` is the standard deviation of the intensity along each axis. Throws std::domain_error unless it is positive
-  /// and finite.
+  /// `sigma` is the standard deviation of the intensity along each axis. Throws std::domain_error unless it
+  /// is positive and finite.
   explicit GaussianBeam(double sigma);
 
   double sigma() const { return sigma_; }
   double amplitude(PlanePoint p) const;
-  /// Per area: that of a centre about a point that a ray has hit, too.
+  /// Returns the intensity, power per area. It is also the density of the beam's centre about a point that a
+  /// ray has hit.
   double intensity(PlanePoint p) const;
-  /// The least uncertain spectrum, a Gaussian of standard deviation 1/(2 sigma): what is removed as the 0th order.
+  /// Returns the beam's spectrum of least uncertainty, a Gaussian of standard deviation 1/(2 sigma), which is
+  /// removed as the 0th order.
   ZerothOrder zeroth_order() const { return ZerothOrder::of_beam(0.5 / sigma_); }
-  /// A centre, or a point of the beam, from two numbers in [0, 1), with the density intensity().
+  /// Samples a centre, or a point of the beam, from two numbers in [0, 1), with the density intensity().
   PlanePoint sample(double u1, double u2) const;
 
-  /// Part of the beam's power that falls into a ring, counter-clockwise (the negative of it clockwise), by Owen's function T
-  /// (Owen 1956, "Tables for computing bivariate normal probabilities", Ann. Math. Stat. 27(4)). Error 1e-14.
+  /// Returns the part of the beam's power that falls into a ring, positive for a counter-clockwise ring and
+  /// negative for a clockwise one, by Owen's function T (Owen 1956, "Tables for computing bivariate normal
+  /// probabilities", Ann. Math. Stat. 27(4)). The error is 1e-14.
   double power(std::span<const PlanePoint> ring) const;
   double power(const PolygonRegion& region) const;
 
-  /// Writes what the beam lights of an edge to `out`: clipped to `reach` sigma about the centre and cut evenly into pieces of at most
-  /// `piece` sigma, with its amplitudes at their ends. Returns how many pieces there are; where that is more than `out`
-  /// holds, nothing is written.
+  /// Writes to `out` the irradiated part of an edge: clipped to `reach` sigma about the centre and cut evenly
+  /// into pieces of at most `piece` sigma, with the beam's amplitudes at their ends. Returns the number of
+  /// pieces; if it exceeds the size of `out`, nothing is written.
   std::size_t light(PlanePoint from, PlanePoint to, double reach, double piece,
                     std::span<DiffractingEdge> out) const;
 
 private:
-  double sigma_, peak_;  ///< peak of the amplitude
+  double sigma_, peak_;  ///< standard deviation of the intensity, peak of the amplitude
 };
 
 }  // namespace aureole::optics

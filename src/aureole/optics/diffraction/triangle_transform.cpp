@@ -9,12 +9,12 @@
 namespace aureole::optics {
 namespace {
 
-/// Divided differences of exp(-i t) over `count` <= 4 phases that lie within kClose of one another: about their
-/// middle m the sum over k of (-i)^(n+k)/(n+k)! h_k exp(-i m), n = count - 1, with the complete homogeneous
-/// symmetric polynomials h_k of the differences to m.
+/// Returns the divided difference of exp(-i t) over `count` <= 4 phases within kClose of one another. About
+/// their middle m it is the sum over k of (-i)^(n+k)/(n+k)! h_k exp(-i m), with n = count - 1 and the
+/// complete homogeneous symmetric polynomials h_k of the differences to m.
 constexpr double kClose = 1.5;
 Complex close_difference(const double* t, int count) {
-  constexpr int kTerms = 16;  // what follows is below 1e-17
+  constexpr int kTerms = 16;  // the remaining terms are below 1e-17
   const double middle = 0.5 * (t[0] + t[count - 1]);
   double h[kTerms] = {1};
   for (int j = 0; j < count; ++j)
@@ -29,7 +29,8 @@ Complex close_difference(const double* t, int count) {
   return Complex(part[0], -part[1]) * std::polar(1.0, -middle);
 }
 
-/// The same for any phases in ascending order. The division is by the widest gap, so errors do not grow.
+/// Returns the divided difference for any phases in ascending order. It divides by the widest gap, so that
+/// errors do not grow.
 Complex difference(const double* t, int count) {
   if (count == 1) return std::polar(1.0, -t[0]);
   const double spread = t[count - 1] - t[0];
@@ -47,8 +48,8 @@ double signed_area(const LinearTriangle& t) {
 double LinearTriangle::area() const { return std::abs(signed_area(*this)); }
 
 std::complex<double> transform(const LinearTriangle& triangle, PlanePoint q) {
-  // Integral over barycentric coordinates g of g_j exp(-i sum g t) is the divided difference, at the three phases
-  // and t_j once more, of the third antiderivative of exp(-i t), which is -i exp(-i t).
+  // The integral over barycentric coordinates g of g_j exp(-i sum g t) is the divided difference, at the
+  // three phases and t_j once more, of the third antiderivative of exp(-i t), which is -i exp(-i t).
   double phase[3];
   for (int j = 0; j < 3; ++j) phase[j] = q.x * triangle.corner[j].x + q.y * triangle.corner[j].y;
   Complex sum = 0;
@@ -81,8 +82,8 @@ double power(std::span<const LinearTriangle> triangles) {
 }
 
 AmplitudeMoments amplitude_moments(std::span<const LinearTriangle> triangles) {
-  // Over a triangle of area S the integral of g_j is S/3, of g_j g_k S/12 and S/6 for j = k, of g_j g_k g_l
-  // S/60 times the product of the factorials of the exponents.
+  // Over a triangle of area S the integral of g_j is S/3, that of g_j g_k is S/12, or S/6 for j = k, and that
+  // of g_j g_k g_l is S/60 times the product of the factorials of the exponents.
   AmplitudeMoments m{};
   for (const LinearTriangle& t : triangles) {
     const double area = t.area();

@@ -10,7 +10,7 @@
 
 namespace aureole::optics {
 
-/// A triangle and the values of a linear function at its corners, in either orientation.
+/// A triangle, in either orientation, and the values of a linear function at its corners.
 struct LinearTriangle {
   std::array<PlanePoint, 3> corner;
   std::array<std::complex<double>, 3> value;
@@ -18,21 +18,23 @@ struct LinearTriangle {
   double area() const;
 };
 
-/// F(q) = integral of value(x) exp(-i q.x) dx dy, exact for every q: a divided difference of the exponential at
-/// the phases of the corners (formula of Hermite and Genocchi; de Boor 2005, "Divided differences", Surveys in
-/// Approximation Theory 1, section 9), computed by its power series where phases lie close together (McCurdy,
-/// Ng & Parlett 1984, "Accurate computation of divided differences of the exponential function", Math. Comp.
-/// 43(168)), so that no direction of q is singular. Absolute error below 1e-14 of the area times the largest
-/// value, and the rounding of the phases q.x. q in rad per unit of length.
+/// Returns F(q) = integral of value(x) exp(-i q.x) dx dy, exact for every q: a divided difference of the
+/// exponential at the phases of the corners (formula of Hermite and Genocchi; de Boor 2005, "Divided
+/// differences", Surveys in Approximation Theory 1, section 9). If phases lie close together it is computed
+/// by its power series (McCurdy, Ng & Parlett 1984, "Accurate computation of divided differences of the
+/// exponential function", Math. Comp. 43(168)), so that no direction of q is singular. The absolute error is
+/// below 1e-14 of the area times the largest value, plus that of rounding the phases q.x. q is in rad per
+/// unit of length.
 std::complex<double> transform(const LinearTriangle& triangle, PlanePoint q);
-/// Sum over triangles that do not overlap.
+/// Returns the sum over triangles that do not overlap.
 std::complex<double> transform(std::span<const LinearTriangle> triangles, PlanePoint q);
 
-/// Integral of |value|^2 over a triangle: |S|/6 Re sum over pairs j <= l of v_j conj(v_l).
+/// Returns the integral of |value|^2 over a triangle: |S|/6 Re sum over pairs j <= l of v_j conj(v_l), S
+/// being the area.
 double power(const LinearTriangle& triangle);
 double power(std::span<const LinearTriangle> triangles);
 
-/// Integrals of value x^a y^b, a + b <= 2: what the centre of the far field is made of.
+/// Integrals of value x^a y^b, a + b <= 2, which determine the far field near q = 0.
 struct AmplitudeMoments {
   std::complex<double> total, x, y, xx, xy, yy;
 };

@@ -21,12 +21,14 @@ void require(bool right, const char* name, double value, const char* expected) {
     throw std::domain_error(std::string(name) + ": expected " + expected + ", got " + std::to_string(value));
 }
 
-/// cot((pi + b)/(2 n)) F(k L a(b)) of KP equation 25, b = +-(phi -+ phi'). With the angle t from the nearest pole,
-/// pi + b = 2 pi n N + t, it is cot(t/2n) F(2 k L sin^2(t/2)); F's root cancels the pole and leaves a jump at t = 0.
+/// Returns cot((pi + b)/(2 n)) F(k L a(b)) of KP equation 25, for b = +-(phi -+ phi'). With the angle t from
+/// the nearest pole, pi + b = 2 pi n N + t, it is cot(t/2n) F(2 k L sin^2(t/2)); the root in F cancels the
+/// pole and leaves a jump at t = 0.
 Complex term(double n, double k_distance, double b) {
   const double turns = std::round((pi + b) / (2 * pi * n));
   const double t = pi + b - 2 * pi * n * turns;
-  // To rounding errors of the angles the observer is on the boundary: the mean of both sides.
+  // Within rounding errors of the angles the observer is on the boundary: the result is the mean of both
+  // sides.
   if (std::abs(t) < 4e-15) return 0;
   const double root = std::sqrt(2 * k_distance) * std::abs(std::sin(0.5 * t));
   const Complex over_root = std::sqrt(pi) * std::conj(kQuarter) * faddeeva(root * kQuarter);
@@ -73,14 +75,16 @@ std::complex<double> Wedge::keller_coefficient(double k, double sin_beta, double
 
 std::complex<double> Wedge::over_half_plane(double k_distance, double phi, double phi_i,
                                             WedgeFaces faces) const {
-  // At the boundary of the shadow `term` is the mean of both sides, 0 for the half plane: angles keep away from it.
+  // On the boundary of the shadow `term` is the mean of both sides, which is 0 for the half plane: the angle
+  // is kept away from the boundary.
   constexpr double kNearest = 1e-7;
   const double to_shadow = phi > phi_i ? pi : -pi, off = phi - phi_i - to_shadow;
   if (std::abs(off) < kNearest) phi = phi_i + to_shadow + std::copysign(kNearest, off);
   const double difference = phi - phi_i, sum = phi + phi_i;
   if (std::abs(difference) < pi) {
-    // A term of reflected light over its size at the boundary of the shadow, where it is whole: the mean of the sizes there for
-    // this source and for a source in the place of the observer, so that both may be exchanged.
+    // Returns the reflection coefficient of a face, weighted by its transition function over that at the
+    // boundary of the shadow, where the reflected term counts in full. The latter is the geometric mean of
+    // its values for this source and for a source at the observer's angle, so that both may be exchanged.
     const auto fade = [&](Complex face, double boundary, double from_boundary) {
       if (face == 0.0 || from_boundary <= 0) return Complex(0);
       const auto transition = [&](double to_angle) {

@@ -11,7 +11,7 @@ NormalCone NormalCone::of(const Vec3& a, const Vec3& b) {
   const float size = length(sum);
   if (!(size > 1e-3f)) return {};
   const Vec3 axis = sum * (1 / size);
-  // 1e-6: rounding of the normals.
+  // The constant 1e-6 bounds the rounding of the normals.
   return {axis, std::min(std::max(length(cross(axis, a)), length(cross(axis, b))) + 1e-6f, 2.f)};
 }
 
@@ -23,7 +23,7 @@ NormalCone NormalCone::merged(const NormalCone& other) const {
   if (!(widest < 1.55f)) return {};
   if (widest == own && between + second <= own) return *this;
   if (widest == second && between + own <= second) return other;
-  // The axis between both, at the angle `widest` from the far side of each cone.
+  // The axis of the merged cone lies between both, at the angle `widest` from the far side of each cone.
   const float turn = widest - own;
   const Vec3 side = other.axis - axis * dot(axis, other.axis);
   const float side_length = length(side);
@@ -69,8 +69,8 @@ void BeamTree::build(std::uint32_t node, std::span<Item> items, std::uint32_t be
     nodes_[node].cone = cone;
     return;
   }
-  // Where the sum of surface areas times items is least, of 15 planes (Wald 2007, "On fast construction of SAH-based bounding volume
-  // hierarchies").
+  // The plane, of 15 candidates, with the smallest sum of surface areas times items (Wald 2007, "On fast
+  // construction of SAH-based bounding volume hierarchies").
   constexpr int kBins = 16;
   struct Bin {
     Bounds3 box;
@@ -85,7 +85,7 @@ void BeamTree::build(std::uint32_t node, std::span<Item> items, std::uint32_t be
     return b.empty() ? 0.f : d.x * d.y + d.y * d.z + d.z * d.x;
   };
   auto middle = items.begin();
-  // Halves by number keep the depth in bounds where planes do not divide.
+  // Beyond this depth, or if no plane divides the items, they are halved by number, which bounds the depth.
   if (extent[axis] > 0 && depth < kMostDepth - 34) {
     for (const Item& item : items) {
       Bin& bin = bins[bin_of(item)];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tree of boxes that finds what lies in a beam of light: within a distance of a stretch of a ray.
+// A tree of boxes that finds the items in a beam of light: within a distance of a part of a ray.
 #pragma once
 
 #include <algorithm>
@@ -12,19 +12,19 @@
 
 namespace aureole {
 
-/// The points within `radius` of the ray o + t d, d of unit length, begin <= t <= end.
+/// The points within `radius` of the ray o + t d, begin <= t <= end; d has unit length.
 struct Beam {
   Vec3 o, d;
   float radius, begin, end;
 };
 
-/// Directions within an angle of an axis: normals of what lies in a node (Johnson & Cohen 2001, "Spatialized normal cone
+/// Cone that contains the normals of the items in a node (Johnson & Cohen 2001, "Spatialized normal cone
 /// hierarchies", Symposium on Interactive 3D Graphics).
 struct NormalCone {
   Vec3 axis{};
-  float sine = 2;  ///< of the half angle; 2 where that is 90 degrees or more, or anything may be
+  float sine = 2;  ///< of the half angle; 2 if that may be 90 degrees or more
 
-  /// False where all directions lie on one side of the plane across `d`.
+  /// Returns false if all normals lie on one side of the plane perpendicular to `d`.
   bool straddles(const Vec3& d) const { return !(std::abs(dot(axis, d)) > sine); }
   static NormalCone of(const Vec3& a, const Vec3& b);
   NormalCone merged(const NormalCone& other) const;
@@ -33,15 +33,16 @@ struct NormalCone {
 class BeamTree {
 public:
   BeamTree() = default;
-  /// One box per item; `cones` has one per item or none at all.
+  /// `boxes` has one box per item; `cones` has one cone per item or is empty.
   BeamTree(std::span<const Bounds3> boxes, std::span<const NormalCone> cones = {});
 
   std::size_t memory_bytes() const {
     return nodes_.size() * sizeof(Node) + items_.size() * sizeof(std::uint32_t);
   }
 
-  /// Calls visit(item) for every item whose box may meet the beam and whose node straddles its direction: a superset of what
-  /// does. O(log n + k) for beams that are short against the scene; allocates nothing.
+  /// Calls visit(item) for every item whose box may intersect the beam and whose node straddles the beam's
+  /// direction. It visits a superset of the items in the beam. O(log n + k) for beams that are short compared
+  /// with the scene. No allocation.
   template <class Visit>
   void visit(const Beam& beam, const Visit& visit) const {
     visit_while(beam, [&](std::uint32_t item) {
@@ -49,7 +50,7 @@ public:
       return true;
     });
   }
-  /// The same for as long as visit(item) returns true; whether it always did.
+  /// Calls visit(item) as `visit` does, for as long as it returns true. Returns whether it always did.
   template <class Visit>
   bool visit_while(const Beam& beam, const Visit& visit) const {
     const Vec3 inverse{1 / beam.d.x, 1 / beam.d.y, 1 / beam.d.z};
@@ -58,8 +59,8 @@ public:
         visit);
   }
 
-  /// Calls visit(item) for the items in leaves whose boxes lie within that distance of a box, for as long as it returns true; whether it
-  /// always did.
+  /// Calls visit(item) for the items in leaves whose boxes lie within `distance` of the box `from`, for as
+  /// long as it returns true. Returns whether it always did.
   template <class Visit>
   bool visit_within(const Bounds3& from, float distance, const Visit& visit) const {
     return descend([&](const Node& node) { return squared_distance(node.box, from) <= distance * distance; },
@@ -71,10 +72,11 @@ private:
   struct Node {
     Bounds3 box;
     NormalCone cone;
-    std::uint32_t first = 0, count = 0;  ///< items, or count 0 and the first of two children
+    std::uint32_t first = 0, count = 0;  ///< items, or the first of two children if count is 0
   };
 
-  /// Calls visit(item) for the items of all leaves that enters(node) leads to, for as long as it returns true; whether it always did.
+  /// Calls visit(item) for the items of all leaves below nodes for which enters(node) is true, for as long as
+  /// it returns true. Returns whether it always did.
   template <class Enters, class Visit>
   bool descend(const Enters& enters, const Visit& visit) const {
     if (nodes_.empty()) return true;
@@ -95,13 +97,15 @@ private:
     return true;
   }
 
-  /// A box and its number: they are sorted in place, so that a node's lie beside one another in memory.
+  /// A box and the number of its item. Items are sorted in place, so that those of a node are adjacent in
+  /// memory.
   struct Item;
 
-  /// `begin`: how many items lie before those of the node.
+  /// `begin` is the number of items before those of the node.
   void build(std::uint32_t node, std::span<Item> items, std::uint32_t begin, std::size_t depth,
              std::span<const NormalCone> cones);
-  /// The stretch of the ray against the box grown by the radius, and a little for rounding.
+  /// Returns whether the beam's part of the ray intersects the box enlarged by the radius, with a margin for
+  /// rounding.
   static bool meets(const Bounds3& box, const Beam& beam, const Vec3& inverse) {
     const float radius = 1.00001f * beam.radius;
     float begin = beam.begin, end = beam.end;
@@ -110,7 +114,8 @@ private:
                   t1 = (box.upper[i] + radius - beam.o[i]) * inverse[i];
       begin = std::max(begin, std::min(t0, t1)), end = std::min(end, std::max(t0, t1));
     }
-    // Rounding is in proportion to the two, which are alike then; `begin` is infinite where a beam along an axis passes beside the box.
+    // The rounding error is proportional to both distances, which are nearly equal here. `begin` is infinite
+    // if a beam along an axis passes beside the box.
     return begin <= end + 2e-5f * std::abs(end);
   }
 

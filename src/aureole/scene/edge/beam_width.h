@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `BeamWidth`: how wide the beams of light are that edges diffract; and the settings of diffraction.
+// `BeamWidth`: the width of the beams in the diffraction model `beams`; and the settings of diffraction.
 #pragma once
 
 #include <string>
@@ -17,26 +17,27 @@ struct BeamWidth {
 
   bool operator==(const BeamWidth&) const = default;
 
-  /// In metres.
+  /// Returns the width in metres.
   double at(double wavelength_m) const;
-  /// The same number of wavelengths at all wavelengths, so that diffracted directions are the same for all.
+  /// Whether the width is one number of wavelengths at all wavelengths, so that diffracted directions do not
+  /// depend on the wavelength.
   bool is_achromatic() const { return unit == Unit::wavelengths; }
 
-  /// "25" or "25 wavelengths", "3mm", "fresnel 10m". Throws Error.
+  /// Reads "25" or "25 wavelengths", "3mm", "fresnel 10m". Throws Error.
   static BeamWidth parse(const std::string& text);
 };
 
 /// How edges diffract light (docs/diffraction.md).
 struct DiffractionSettings {
   enum class Model {
-    beams,    ///< an edge is a scatterer in beams of that width
-    segments  ///< each straight segment has the factor |u/u0|^2 of the edges beside it
+    beams,    ///< edges are scatterers of light in beams
+    segments  ///< each segment has a diffraction factor |u/u0|^2 by the edges beside it
   };
   Model model = Model::beams;
   BeamWidth width{};  ///< of the model `beams`
-  /// How edges of wedges act on the electric field, in the model `segments`.
+  /// The polarisation in the model `segments`: the direction of the field at each edge.
   enum class Polarisation {
-    none,  ///< as half planes that absorb, without polarisation
+    none,  ///< edges act as those of half planes that absorb
     soft,  ///< the electric field lies along each edge
     hard,  ///< the magnetic field lies along each edge
     both   ///< the mean power of soft and hard
@@ -46,7 +47,7 @@ struct DiffractionSettings {
   bool operator==(const DiffractionSettings&) const = default;
 };
 
-/// Where the width of beams does not suit the scene.
+/// The width of beams does not suit the scene.
 class BeamWidthError : public Error {
 public:
   using Error::Error;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `DetourLine`: the straight line of an edge beside a segment of a path, and the detours of light by way of its points.
+// `DetourLine`: the straight line of an edge beside a segment of a path, and the detours of light by way of
+// its points.
 #pragma once
 
 #include <algorithm>
@@ -15,17 +16,18 @@ namespace aureole {
 struct EdgeSegment {
   Double3 from;
   Double3 d;      ///< unit length
-  double length;  ///< kInfinity where one end is at infinity
+  double length;  ///< kInfinity if one end is at infinity
 
   bool is_infinite() const { return length >= double(kInfinity); }
 };
 
-/// The obliquity factor cos(theta/2) of light that turns from one unit direction into another.
+/// Returns the obliquity factor cos(theta/2) of light that turns from one unit direction to another.
 inline double obliquity_of_turn(const Double3& in, const Double3& out) {
   return std::sqrt(std::max(0.0, (1 + dot(in, out)) / 2));
 }
 
-/// The line x = a + t e of an edge, and the detours of light by way of its points. The segment must outlive it.
+/// The line x = a + t e of an edge, and the detours of light by way of its points. The segment must outlive
+/// this object.
 struct DetourLine {
   DetourLine(const MeshEdge& edge, const EdgeSegment& s) : segment(s) {
     const Double3 a(edge.a);
@@ -35,10 +37,10 @@ struct DetourLine {
     to_a = a - s.from;
   }
   bool is_infinite() const { return segment.is_infinite(); }
-  Double3 at(double t) const { return to_a + e * t; }  ///< from the segment's begin
+  Double3 at(double t) const { return to_a + e * t; }  ///< relative to the segment's begin
 
-  /// The factor f of the Fresnel plane: a point at `p` from the segment's begin and `across` it is shown at f times
-  /// `across`, which has the length sqrt(4 delta).
+  /// Returns the scale f of the Fresnel plane at `p`, a point relative to the segment's begin: the component
+  /// of p perpendicular to the segment, times f, has the length sqrt(4 delta).
   double scale(const Double3& p) const {
     const double z1 = dot(p, segment.d), r = aureole::length(p);
     double sum = 1 / std::max(r + z1, 1e-30);
@@ -48,18 +50,19 @@ struct DetourLine {
     }
     return 2 * std::sqrt(sum);
   }
-  /// The point at `t` in the Fresnel plane of a unit wavelength; x and y are unit vectors across the segment.
+  /// Returns the point at `t` in the Fresnel plane of a unit wavelength; x and y are unit vectors
+  /// perpendicular to the segment.
   optics::PlanePoint in_fresnel_plane(double t, const Double3& x, const Double3& y) const {
     const Double3 p = at(t);
     const double f = scale(p);
     return {f * dot(p, x), f * dot(p, y)};
   }
-  /// Fresnel's parameter |v| of the point at `t`, at a unit wavelength.
+  /// Returns Fresnel's parameter |v| of the point at `t`, at a unit wavelength.
   double parameter(double t) const {
     const Double3 p = at(t);
     return scale(p) * aureole::length(p - segment.d * dot(p, segment.d));
   }
-  /// Unit directions of light to the point `p` and on from it.
+  /// Sets the unit directions of light that arrives at the point `p` and that leaves it.
   void directions(const Double3& p, Double3& in, Double3& out) const {
     in = normalize(p);
     out = is_infinite() ? segment.d : normalize(segment.d * segment.length - p);
@@ -71,7 +74,7 @@ struct DetourLine {
     return obliquity_of_turn(in, out);
   }
 
-  /// Where the detour is smallest: at Keller's point, by unfolding about the line.
+  /// Returns the t of the smallest detour, Keller's point, by unfolding the two half-planes about the line.
   double middle() const {
     const double t_a = -dot(to_a, e), d_a = aureole::length(at(t_a));
     if (is_infinite()) {
@@ -82,10 +85,10 @@ struct DetourLine {
     const double d_b = aureole::length(at(t_b) - segment.d * segment.length);
     return d_a + d_b > 0 ? (t_a * d_b + t_b * d_a) / (d_a + d_b) : t_a;
   }
-  /// The part of the line whose detours are at most that: the line in an ellipsoid or paraboloid of revolution. False
-  /// where there is none.
+  /// Sets the part of the edge whose detours are at most `most`, which lies in an ellipsoid or paraboloid of
+  /// revolution. Returns false if there is none.
   bool clip(double most, double& begin, double& end) const {
-    double g0, g1;  // the distance from the segment's begin is g0 + g1 t on its surface
+    double g0, g1;  // on its surface the distance from the segment's begin is g0 + g1 t
     if (is_infinite()) {
       g0 = most + dot(to_a, segment.d), g1 = dot(e, segment.d);
     } else {

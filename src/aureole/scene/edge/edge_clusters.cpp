@@ -6,10 +6,10 @@
 namespace aureole {
 namespace {
 
-/// Larger groups are no clusters; looking for one ends there, since each of its edges meets all others.
+/// Larger groups are no clusters. The search ends there, since each edge of a group visits all others.
 constexpr std::size_t kMostEdges = 1024;
 
-/// Of a flat group, over its length.
+/// Largest thickness of a flat group, over its length.
 constexpr float kThickest = 0.1f;
 
 Bounds3 box_of(const MeshEdge& edge) {
@@ -18,7 +18,7 @@ Bounds3 box_of(const MeshEdge& edge) {
   return box;
 }
 
-/// About how far the edges leave the plane of three of their corners that lie far apart.
+/// Returns an estimate of how far the edges leave a plane through three of their vertices that lie far apart.
 float thickness(const std::vector<MeshEdge>& edges, const std::vector<std::uint32_t>& group) {
   const auto farthest = [&](const auto& distance) {
     Vec3 best = edges[group[0]].a;
@@ -63,7 +63,7 @@ EdgeClusters::EdgeClusters(const EdgeIndex& index, float coherent) {
         if (states[other] == present ||
             squared_distance(box_of(edges[other]), box_of(edges[group[i]])) > coherent * coherent)
           return true;
-        // An edge of a group that is too large or too long belongs to that.
+        // An edge of a group that is too large or too long belongs to that group.
         if (states[other] == apart || group.size() == kMostEdges) return false;
         states[other] = present;
         group.push_back(other);

@@ -10,13 +10,14 @@
 namespace aureole {
 namespace {
 
-/// By how much corners may be off, over the largest coordinate.
+/// Relative uncertainty of vertices, over the largest coordinate.
 constexpr double kRounding = 1e-6;
 
 double largest(const Vec3& p) { return double(max_component(abs(p))); }
 
-/// Whether a point v of the triangle, relative to a point of the edge, has n0.v > 0 and n1.v < 0 or the other way around: only such faces
-/// can lie before or behind an edge that is an outline. A border has faces on one side only, so that all but those in its plane can.
+/// Returns whether a point v of the triangle, relative to a point of the edge, has n0.v > 0 and n1.v < 0, or
+/// both with the opposite signs: only such faces can lie before or behind an edge that is an outline. A
+/// border has faces on one side only, so that all faces can, except those in its plane.
 bool may_cover(const std::array<Vec3, 3>& triangle, const MeshEdge& edge) {
   double scale = std::max(largest(edge.a), largest(edge.b)), s0[3], s1[3];
   for (int i = 0; i < 3; ++i) {
@@ -24,18 +25,18 @@ bool may_cover(const std::array<Vec3, 3>& triangle, const MeshEdge& edge) {
     s0[i] = dot(v, Double3(edge.n0)), s1[i] = dot(v, Double3(edge.n1));
     scale = std::max(scale, largest(triangle[std::size_t(i)]));
   }
-  // Normals are as exact as floats, which counts for faces far along the edge.
+  // Normals have the precision of floats, which matters for faces far along the edge.
   const double off = 4 * kRounding * scale;
-  // Most are those of a convex body.
+  // An early exit: most edges and faces belong to a convex body.
   if (!edge.is_boundary && std::max({s0[0], s0[1], s0[2], s1[0], s1[1], s1[2]}) <= off) return false;
-  // Faces that have a side along the edge, as its own have, do not cover it.
+  // Faces with a side along the edge, such as the edge's own faces, do not cover it.
   const Double3 e = normalize(Double3(edge.b) - Double3(edge.a));
   if (std::count_if(triangle.begin(), triangle.end(), [&](const Vec3& p) {
         return length(cross(Double3(p) - Double3(edge.a), e)) <= off;
       }) >= 2)
     return false;
   if (edge.is_boundary) return std::max({std::abs(s0[0]), std::abs(s0[1]), std::abs(s0[2])}) > off;
-  // What of the triangle is left by both half-spaces.
+  // Returns whether a part of the triangle lies in both half-spaces, with `sign` for one of the two cases.
   const auto is_left = [&](double sign) {
     struct Corner {
       double a, b;
@@ -53,7 +54,7 @@ bool may_cover(const std::array<Vec3, 3>& triangle, const MeshEdge& edge) {
   return is_left(1) || is_left(-1);
 }
 
-/// An edge seen along a direction z of light: x runs along it, from its a.
+/// An edge seen along a direction z of light. The x axis runs along the projected edge, from its vertex a.
 struct View {
   View(const MeshEdge& edge, const Double3& d) : origin(edge.a), z(d) {
     const Double3 way = Double3(edge.b) - origin;
@@ -69,14 +70,14 @@ struct View {
   double shown, slope = 0;
 };
 
-/// What a face covers of it, as a fraction of its length; empty where `to` is not larger.
+/// Returns the part of the edge that a face covers; it is empty if `to` is not larger than `from`.
 EdgeStretch covered_by(const std::array<Vec3, 3>& face, const View& view, double depth, double rounding) {
   Double3 p[3];
   double v[3];
   for (int i = 0; i < 3; ++i) p[i] = Double3(face[std::size_t(i)]) - view.origin, v[i] = dot(p[i], view.y);
   const bool above = v[0] > 0;
   if ((v[1] > 0) == above && (v[2] > 0) == above) return {0, 0};
-  // Where two of its sides cross the edge's line, and how far behind that.
+  // The positions at which two sides of the face cross the edge's line, and their depths behind the line.
   double at[2], behind[2];
   int count = 0;
   for (int i = 0; i < 3; ++i) {
@@ -92,7 +93,7 @@ EdgeStretch covered_by(const std::array<Vec3, 3>& face, const View& view, double
   double from = std::max(at[0] - rounding, 0.0), to = std::min(at[1] + rounding, view.shown);
   const double rate = (behind[1] - behind[0]) / std::max(at[1] - at[0], 1e-300);
   for (const double limit : {depth, -depth}) {
-    // The side on which the face is near enough.
+    // Clips to the part in which the face is within the depth limit.
     const bool first_in = limit > 0 ? behind[0] <= limit : behind[0] >= limit,
                second_in = limit > 0 ? behind[1] <= limit : behind[1] >= limit;
     if (!first_in && !second_in) return {0, 0};
@@ -112,8 +113,8 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
   const std::vector<std::uint32_t>& sets_of = faces.set_of;
   constexpr std::size_t kTogether = 4096;
   const std::size_t part_count = (edges.size() + kTogether - 1) / kTogether;
-  // Where beams are as wide as the scene, each edge has all faces near it. So the search visits a limited number of
-  // faces for the edges of one part, which takes some seconds for all parts; the rest of the edges get `kMany`.
+  // If beams are as wide as the scene, each edge has all faces near it. The search visits a limited number of
+  // faces for the edges of one part, which takes some seconds for all parts; the remaining edges get `kMany`.
   constexpr std::size_t kMostInAll = std::size_t(1) << 27;
   const std::size_t most_visited = std::max(kTogether * kMostListed, kMostInAll / part_count);
   const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found, std::size_t& visited) {
@@ -160,7 +161,7 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, Fac
     *this = {};
   } else if (std::ranges::find(listed_, kMany) == listed_.end()) {
     tree_ = {};
-    // Only those that are listed.
+    // Only faces that are listed are kept.
     std::unordered_map<std::uint32_t, std::uint32_t> number;
     std::vector<Triangle> kept;
     for (std::uint32_t& i : listed_) {
@@ -185,7 +186,7 @@ std::span<const EdgeStretch> EdgeCovers::open(const MeshEdge& edge, std::size_t 
   };
   const std::uint32_t first = begins_[number], last = begins_[number + 1];
   if (last - first == 1 && listed_[first] == kMany) {
-    // Those about the edge, seen along the light.
+    // The faces about the edge, searched along the light.
     const Vec3 middle = 0.5f * (edge.a + edge.b), half = 0.5f * (edge.b - edge.a);
     const float rise = std::abs(dot(half, d)), reach = depth + rise;
     const float radius = std::sqrt(std::max(0.f, length_squared(half) - rise * rise)) + float(rounding);

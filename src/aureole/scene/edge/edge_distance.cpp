@@ -12,7 +12,7 @@ EdgeDistance::EdgeDistance(const EdgeIndex& index, float margin) : margin_(margi
   Bounds3 box;
   for (const MeshEdge& edge : index.edges()) box.extend(edge.a), box.extend(edge.b);
   if (box.empty()) return;
-  // Half a cell more on each side, for the rounding of coordinates.
+  // The grid extends half a cell beyond each side, for the rounding of coordinates.
   cell_ = (max_component(box.diagonal()) + 2 * margin) / (kCells - 1), per_length_ = 1 / cell_;
   const float half = 0.5f * kCells * cell_;
   lower_ = box.center() - Vec3{half, half, half};
@@ -20,7 +20,7 @@ EdgeDistance::EdgeDistance(const EdgeIndex& index, float margin) : margin_(margi
   std::vector<float> lengths(reached.size() * kCells);
   for (const MeshEdge& edge : index.edges()) mark(edge.a, edge.b, reached, lengths);
   most_beside_ = *std::max_element(lengths.begin(), lengths.end()) * 2 * margin_ / (cell_ * cell_);
-  // The cells that have an edge, those around them, and so on.
+  // Distance 0: the cells near an edge; then the cells around them, and so on.
   cells_.assign(reached.size() * kCells, 0);
   before.assign(reached.size(), 0);
   for (int distance = 0; before != reached; ++distance) {
@@ -43,14 +43,15 @@ EdgeDistance::EdgeDistance(const EdgeIndex& index, float margin) : margin_(margi
 
 float EdgeDistance::free_along(const Vec3& o, const Vec3& d, float length) const {
   if (cells_.empty()) return std::max(length, 0.f);
-  // Its way through the grid, outside of which no edge's margin is, with room for rounding.
+  // The part of the ray inside the grid, which contains the margins of all edges, enlarged for rounding.
   const float room = 0.01f * cell_, size = kCells * cell_;
   float first = 0, last = length;
   for (int i = 0; i < 3; ++i) {
     const float t0 = (lower_[i] - room - o[i]) / d[i], t1 = (lower_[i] + size + room - o[i]) / d[i];
     first = std::max(first, std::min(t0, t1)), last = std::min(last, std::max(t0, t1));
   }
-  // In cells, from where it enters: origins that are far away would round the steps off.
+  // Coordinates in cells are relative to the ray's entry into the grid: distant origins would round the steps
+  // off.
   const Vec3 entry = o + d * first;
   float begin[3], rate[3], inverse[3];
   for (int i = 0; i < 3; ++i)
@@ -61,7 +62,7 @@ float EdgeDistance::free_along(const Vec3& o, const Vec3& d, float length) const
     for (int i = 0; i < 3; ++i) cell[i] = std::clamp(int(begin[i] + rate[i] * t), 0, kCells - 1);
     const int free = cells_[row(cell[1], cell[2]) * kCells + std::size_t(cell[0])];
     if (free == 0) return first + t;
-    // Out of this cell and of those around it that are free as well.
+    // Steps out of this cell and out of the free cells around it.
     float next = kInfinity;
     for (int i = 0; i < 3; ++i) {
       if (rate[i] == 0) continue;
@@ -74,9 +75,9 @@ float EdgeDistance::free_along(const Vec3& o, const Vec3& d, float length) const
 }
 
 void EdgeDistance::mark(const Vec3& a, const Vec3& b, Rows& rows, std::vector<float>& lengths) const {
-  // Slanted edges fill a small part of their boxes.
+  // A slanted edge fills a small part of its box: it is halved until its pieces are short.
   const Vec3 middle = 0.5f * (a + b);
-  // Far from the origin a cell may be less than the rounding of coordinates.
+  // Far from the origin a cell may be smaller than the rounding of coordinates.
   if (length_squared(b - a) > 0.25f * cell_ * cell_ && !(middle == a) && !(middle == b)) {
     mark(a, middle, rows, lengths), mark(middle, b, rows, lengths);
     return;

@@ -7,7 +7,7 @@
 namespace aureole {
 namespace {
 
-/// A point relative to the ray: the distance along it, and what is left across.
+/// A point relative to the ray: its distance along the ray, and its component perpendicular to it.
 struct Relative {
   float t;
   Vec3 across;
@@ -18,12 +18,12 @@ Relative relative(const Vec3& p, const Beam& beam) {
   return {t, v - beam.d * t};
 }
 
-/// Where the line between two points is at the distance t along the ray.
+/// Returns the perpendicular component of the line through two points at the distance t along the ray.
 Vec3 at_distance(const Relative& a, const Relative& b, float t) {
   return a.across + (b.across - a.across) * ((t - a.t) / (b.t - a.t));
 }
 
-/// Least squared distance from the ray of the segment between two points across it.
+/// Returns the smallest squared distance from the ray to the segment between two perpendicular components.
 float distance_squared(const Vec3& a, const Vec3& b) {
   const Vec3 e = b - a;
   const float size = length_squared(e);
@@ -45,8 +45,8 @@ bool is_in_beam(const Vec3& a, const Vec3& b, const Beam& beam) {
 bool is_in_beam(const std::array<Vec3, 3>& triangle, const Beam& beam) {
   for (std::size_t i = 0; i < 3; ++i)
     if (is_in_beam(triangle[i], triangle[(i + 1) % 3], beam)) return true;
-  // No side is near. What is left is a triangle around the beam: the ray goes through it, or it lies along the ray and is cut by
-  // an end of the beam; in both cases a point of the axis, or a chord at an end, is near.
+  // No side is near. The remaining case is a triangle around the beam. Either the ray hits it, or it lies
+  // along the ray and an end of the beam cuts it: then its chord in the plane of that end is near.
   std::array<Relative, 3> p;
   for (std::size_t i = 0; i < 3; ++i) p[i] = relative(triangle[i], beam);
   for (const float t : {beam.begin, beam.end}) {

@@ -18,8 +18,9 @@ bool have_common_end(const MeshEdge& a, const MeshEdge& b) {
   return a.a == b.a || a.a == b.b || a.b == b.a || a.b == b.b;
 }
 
-/// The obliquity factor of light that turns at a part of an edge and at a screen, over that of light that turns at the part
-/// alone. `rest` is the light between the part and an end of the segment, `p` the point of the screen from its begin.
+/// Returns the obliquity factor of light that turns at a part of an edge and at a screen, over that of light
+/// that turns at the part alone. `rest` is the segment between the part and an end of the whole segment; `p`
+/// is the point of the screen relative to the begin of `rest`.
 double obliquity_past(const EdgePassage& part, const EdgeSegment& rest, const Double3& p, bool towards_end) {
   const Double3 to_screen = normalize(p);
   const Double3 from_screen = rest.is_infinite() ? rest.d : normalize(rest.d * rest.length - p);
@@ -82,7 +83,7 @@ void EdgeScreens::find_cuts(std::size_t edge, std::vector<double>& cuts) const {
       if (!beside_[other].is_outline || !may_hide(edge, other)) continue;
       const PlanePoint from = ends_[other][0], to = minus(ends_[other][1], from);
       const double sine = cross(along, to), size = length * std::hypot(to.x, to.y);
-      // Edges that run side by side have no sharp crossing.
+      // Nearly parallel edges have no sharp crossing.
       constexpr double kLeastSine = 0.6;
       static_assert(kLeastSine * kLeastSine + OutlineEdges::kSideBySide * OutlineEdges::kSideBySide > 0.999);
       if (!(std::abs(sine) > kLeastSine * size)) continue;
@@ -90,7 +91,8 @@ void EdgeScreens::find_cuts(std::size_t edge, std::vector<double>& cuts) const {
       double s = cross(apart, to) / sine;
       const double u = cross(apart, along) / sine;
       if (!(s > 0 && s < 1 && u >= 0 && u <= 1)) continue;
-      // An edge that runs obliquely is curved in the Fresnel plane.
+      // An edge oblique to the segment is curved in the Fresnel plane: the crossing is found by Newton's
+      // method, with bisection as a safeguard.
       double begin = passage.begin, end = passage.end;
       const double side = cross(minus(p, from), to);
       double t = begin + s * (end - begin);
@@ -105,7 +107,7 @@ void EdgeScreens::find_cuts(std::size_t edge, std::vector<double>& cuts) const {
     }
   });
   std::sort(cuts.begin(), cuts.end());
-  // An edge reaches into several ranges of azimuths.
+  // An edge that reaches into several ranges of azimuths may have found a cut more than once.
   const double least = 1e-9 * (passage.end - passage.begin);
   cuts.erase(std::unique(cuts.begin(), cuts.end(), [&](double a, double b) { return b - a < least; }),
              cuts.end());
@@ -171,7 +173,7 @@ void EdgeScreens::visit_parallel(std::size_t edge, const EdgePassage& part, bool
            std::abs(height) < 4 * std::max(screen.side.offset, beside_[edge].side.offset)},
           std::hypot(v, beyond));
   };
-  // The segment may pass between both edges.
+  // Both ranges of azimuths are searched, since the segment may pass between the two edges.
   const std::size_t bucket = bucket_of(own.in_fresnel_plane(t, x_, y_));
   for (const std::size_t b : {bucket, (bucket + kBuckets / 2) % kBuckets})
     std::for_each(buckets_[b].begin(), buckets_[b].end(), look_at);

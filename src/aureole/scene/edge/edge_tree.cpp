@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-/// Towards an end from a point, with the squared distance (1 to infinity).
+/// The direction from a point to an end of a path, and the squared distance (1 for an end at infinity).
 struct Towards {
   Vec3 d;
   float distance_squared;
@@ -25,18 +25,20 @@ struct Towards {
   }
 };
 
-// The numbers below are heuristics: they change the noise, not the mean.
+// The functions below are heuristics: they change the noise of pictures, not their mean.
 
-/// The natural logarithm of x >= 1 within .06, by the float's exponent.
+/// Returns the natural logarithm of x >= 1, within 0.06, by the exponent of the float.
 float rough_log(float x) { return 0.69314718f * (float(std::bit_cast<std::int32_t>(x)) * 0x1p-23f - 127.f); }
 
-/// Weight of an edge that is no outline between two ends that only guide its choice.
+/// Relative weight of an edge that is no outline between the two ends. It is not 0, since the ends only guide
+/// the choice.
 constexpr double kNoOutline = 1e-3;
 
-/// The part of the light that leaves an edge of that length off Keller's cone by `off`, a difference of cosines; `rate` is by how much
-/// the directions change per distance along it. Corners send a little everywhere. Edges shorter than four sigma interfere with others:
-/// each of them sends light wherever any within seven sigma does.
-/// `turn`: of edges of all directions, by how much the light turns; 0 where their direction is known.
+/// Returns the relative power that an edge of length `length` diffracts at the difference of cosines `off`
+/// from Keller's cone. `rate` is the change of the directions per distance along the edge. `turn` is the
+/// angle by which the light turns if the edge's direction is unknown, else 0. Corners diffract a little in
+/// all directions. Edges shorter than four sigma interfere with others: each of them counts wherever any edge
+/// within seven sigma diffracts.
 float along_cone(float off, float turn, float angle, float sigma, float length, float rate) {
   const float width = angle * std::max(1.f, 4 * sigma / length);
   const float k = 1 / (1 + (off / width) * (off / width));
@@ -52,7 +54,8 @@ NormalCone merged_lines(const NormalCone& a, const NormalCone& b) {
   return a.merged(dot(a.axis, b.axis) < 0 ? NormalCone{-b.axis, b.sine} : b);
 }
 
-/// `keller_point` about in single precision, from the middle of an edge; 0 where there is none.
+/// Returns an approximation of `keller_point` in single precision, relative to the middle of an edge; 0 if
+/// there is none.
 float about_keller(const Vec3& middle, const Vec3& e, const PathEnd& a, const PathEnd& b) {
   if (a.is_infinite) return b.is_infinite ? 0.f : about_keller(middle, e, b, a);
   const auto place = [&](const PathEnd& end, float& along, float& across) {
@@ -71,7 +74,7 @@ float about_keller(const Vec3& middle, const Vec3& e, const PathEnd& a, const Pa
   return sum > 0 ? (along_a * across_b + along_b * across_a) / sum : 0.f;
 }
 
-/// Of an edge in the direction e, about its middle.
+/// Returns the importance of an edge with direction e between the ends a and b.
 double between(const MeshEdge& edge, const Vec3& middle, const Vec3& e, float edge_length, const PathEnd& a,
                const PathEnd& b, float angle, float sigma) {
   const float half = 0.5f * edge_length;
@@ -79,7 +82,7 @@ double between(const MeshEdge& edge, const Vec3& middle, const Vec3& e, float ed
   const Towards to_a(a, x), to_b(b, x);
   const Vec3 turn = to_a.d + to_b.d;
   const float off = std::abs(dot(turn, e));
-  // The stretch of the edge that light comes from.
+  // The length of the part of the edge that contributes.
   const float across2 = std::max(1 - dot(to_a.d, e) * dot(to_a.d, e), 1e-6f);
   const float rate = (a.is_infinite ? 0.f : 1 / std::sqrt(to_a.distance_squared)) +
                      (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared));
@@ -107,14 +110,14 @@ std::optional<double> keller_point(const EdgeLine& line, const PathEnd& a, const
     return along_a + s * across_a / std::sqrt(c2);
   }
   place(b, along_b, across_b);
-  // The shortest way, with the plane of one of the ends turned into that of the other.
+  // The point on the shortest path: the half-planes of the two ends are unfolded about the line.
   const double sum = across_a + across_b;
   if (!(sum > 0)) return {};
   return (along_a * across_b + along_b * across_a) / sum;
 }
 
 struct EdgeTree::Item {
-  Vec3 a, b;  ///< ends, or corners of the box
+  Vec3 a, b;  ///< ends of the edge, or corners of the cluster's box
   float length, shortest;
   std::uint32_t count, index;
   bool is_cluster;
@@ -170,7 +173,7 @@ void EdgeTree::set_directions(Node& leaf) const {
 
 namespace {
 
-/// The squared half diagonal of what edges fill.
+/// Returns the squared half diagonal of a box.
 float size_of(const Bounds3& box) { return box.empty() ? 0.f : 0.25f * length_squared(box.diagonal()); }
 
 struct Plane {
@@ -180,7 +183,8 @@ struct Plane {
 
 constexpr int kBins = 16;
 
-/// `best_plane` across one axis, for few items: sorted by their bins, of which most are empty.
+/// Computes `best_plane` across one axis for few items: they are sorted by their bins, most of which are
+/// empty.
 template <class Item>
 void try_few(std::span<const Item> items, int axis, float begin, float extent, Plane& best, float& least) {
   struct {
@@ -207,8 +211,8 @@ void try_few(std::span<const Item> items, int axis, float begin, float extent, P
   }
 }
 
-/// Where the plane lies, of fifteen across each axis, for which the sum of the edges' number times size is least: small figures are
-/// told from the long edges around them.
+/// Returns the plane, of fifteen across each axis, with the smallest sum of number of edges times size of
+/// their box: it separates small figures from the long edges around them.
 template <class Item>
 Plane best_plane(std::span<const Item> items, const Bounds3& centers) {
   Plane best;
@@ -252,12 +256,12 @@ Plane best_plane(std::span<const Item> items, const Bounds3& centers) {
   return best;
 }
 
-/// Orders the items by the side of a plane, and returns how many lie before it.
+/// Orders the items by the side of a plane on which they lie, and returns how many lie before it.
 template <class Item>
 std::size_t divide(std::span<Item> items, const Bounds3& centers, int depth) {
   constexpr int kMostUneven = 64;
-  // A few long edges around a small figure of many are told from it at once: in a node with a part of the figure they would make its
-  // estimate that of edges far away. Such planes are no danger to the depth of the tree but in great number.
+  // A few long edges around a small figure of many edges are separated from it first: in one node with a part
+  // of the figure they would spoil its estimate. Only many such uneven planes would make the tree too deep.
   if (depth < kMostUneven) {
     if (const Plane plane = best_plane(std::span<const Item>(items), centers); plane.axis >= 0) {
       const auto middle = std::partition(items.begin(), items.end(),
@@ -319,7 +323,7 @@ std::optional<EdgeTree::Leaf> EdgeTree::descend(double u, const Importance& impo
     const double left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
     const double sum = left + right;
     if (!(sum > 0) || !std::isfinite(sum)) return {};
-    // An estimate of a node may be off by many orders of magnitude where an end is near to it.
+    // The estimate of a node may be off by many orders of magnitude if an end is near to it.
     auto share = float(left / sum);
     if (left > 0 && right > 0) share = std::clamp(share, kLeastShare, 1 - kLeastShare);
     if (u < share) {
@@ -342,10 +346,11 @@ std::optional<EdgeTree::Leaf> EdgeTree::choose_between(const PathEnd& a, const P
              between(edges_[node.index], node.center, node.lines.axis, node.length, a, b, angle, sigma);
     const Towards to_a(a, node.center), to_b(b, node.center);
     const float r2 = node.radius * node.radius;
-    // By how much the directions to the two ends may differ from those at the node's centre.
+    // Returns a bound of how much the direction from a point of the node to an end may differ from that from
+    // the node's centre.
     const auto slack_of = [&](const PathEnd& end, const Towards& to) {
       if (end.is_infinite) return 0.f;
-      const float sine2 = r2 / to.distance_squared;  // of the angle under which the node's radius is seen
+      const float sine2 = r2 / to.distance_squared;  // of the angle that the node's radius subtends
       if (!(sine2 < 1)) return 2.f;
       return 1.0001f * std::sqrt(2 * sine2 / (1 + std::sqrt(1 - sine2))) + 1e-6f;
     };
@@ -354,13 +359,13 @@ std::optional<EdgeTree::Leaf> EdgeTree::choose_between(const PathEnd& a, const P
     const float turn2 = length_squared(turn), mean2 = length_squared(mean);
     double outline = 1;
     if (node.normals.sine < 1) {
-      // Outline edges have faces on both sides of the light: here all faces are on one. Not never, since the ends may only be near to
-      // those that the path will have.
+      // Outline edges have faces on both sides of the light; here all faces are on one side. The weight is
+      // not 0, since the ends may only be near to those of the final path.
       const float off = std::abs(dot(node.normals.axis, mean)) - slack, limit = std::sqrt(mean2) + slack;
       if (off > node.normals.sine * limit) outline = kNoOutline;
     }
-    // Of the inverse square of the angle the mean over what the node may hold: a bound would be as large for all nodes that an end
-    // is near to.
+    // The mean of the inverse square of the angle over the node's possible edges: an upper bound would be
+    // equally large for all nodes near an end.
     const float turned = std::max(0.f, std::sqrt(turn2) - slack), angle2 = angle * angle,
                 slack2 = slack * slack;
     const float turned2 = turned * turned + angle2 + slack2 / (1 + rough_log(1 + slack2 / angle2));
@@ -385,7 +390,8 @@ EdgeTree::Choice EdgeTree::edge_between(const Leaf& leaf, const PathEnd& a, cons
   const Node& node = nodes_[leaf.node];
   if (!node.is_cluster) return {node.index, leaf.probability};
   const Vec3 to_a = Towards(a, node.center).d, to_b = Towards(b, node.center).d;
-  // Across the turn, in the plane across the light's mean direction; any where it does not turn.
+  // The axis of the turn, perpendicular to the light's mean direction; any direction if the light does not
+  // turn.
   const Vec3 mean = to_a - to_b, d = length_squared(mean) > 0 ? normalize(mean) : to_a,
              across = cross(d, to_a + to_b);
   const Vec3 y = length_squared(across) > 0 ? normalize(across) : Vec3{};
@@ -424,7 +430,7 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, double u
 
 std::vector<float> EdgeTree::of_nodes(std::span<const float> edge_values) const {
   std::vector<float> values(nodes_.size());
-  // Children come behind their node.
+  // Children have larger numbers than their node.
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     const Node& node = nodes_[i];
     if (node.is_cluster) {

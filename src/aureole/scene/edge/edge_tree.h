@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// `EdgeTree`: chooses an edge that diffracts light between two places, or from one place, in proportion to an
-// estimate of that light: a tree over edges that is descended at random, as light trees are (Conty Estevez & Kulla
-// 2018), by distances, the angle by which the light turns, and Keller's condition that it leaves an edge in the
-// angle at which it has come (Keller 1962, "Geometrical theory of diffraction"). The edges of a cluster (edge_clusters.h) are one leaf, and are
-// chosen by what each of them sends of their common light.
+// `EdgeTree`: samples an edge that diffracts light between two points, or from one point, in proportion to an
+// estimate of that light. The tree over edges is descended at random, as light trees are (Conty Estevez &
+// Kulla 2018). The estimate has distances, the angle by which the light turns, and Keller's condition that
+// light leaves an edge at the angle at which it has come (Keller 1962, "Geometrical theory of diffraction").
+// The edges of a cluster (edge_clusters.h) are one leaf, and are sampled in proportion to their share of the
+// light that they diffract together.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +22,11 @@ namespace aureole {
 
 /// An end of a path around an edge: a point, or a direction to infinity.
 struct PathEnd {
-  Vec3 p;  ///< or the unit direction towards it
+  Vec3 p;  ///< the point, or the unit direction towards infinity
   bool is_infinite = false;
 };
 
-/// A straight line with the points of an edge, in double precision.
+/// A straight line through the points of an edge, in double precision.
 struct EdgeLine {
   explicit EdgeLine(const MeshEdge& edge)
       : origin(edge.a), direction(Double3(edge.b) - Double3(edge.a)), length(aureole::length(direction)) {
@@ -40,7 +41,7 @@ struct EdgeLine {
 class EdgeTree {
 public:
   EdgeTree() = default;
-  /// A cluster is one item; `groups` has one for each. All must outlive the tree.
+  /// `groups` has one group for each cluster. All arguments must outlive the tree.
   EdgeTree(std::span<const MeshEdge> edges, const EdgeClusters& clusters,
            std::span<const optics::EdgeGroup> groups);
 
@@ -48,34 +49,36 @@ public:
     std::uint32_t edge;
     float probability;
   };
-  /// An edge or a cluster.
+  /// A sampled leaf: an edge or a cluster.
   struct Leaf {
     std::uint32_t node;
     float probability;
     double estimate;  ///< of the light of all edges, in the units of an edge's importance
-    double u;         ///< a number in [0, 1) that is left of the choice
+    double u;         ///< random number in [0, 1) for further choices
   };
-  /// A random number in [0, 1) of 48 bits, made of two of 24: an edge of millions may have a probability of 1e-9.
+  /// Returns a random number in [0, 1) of 48 bits, made of two of 24: one of millions of edges may have a
+  /// probability of 1e-9.
   static double random_from(float high, float low) { return double(high) + double(low) * 0x1p-24; }
 
-  /// Edges around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
-  /// edges diffract, 1/(2 k sigma). Edges that are no outlines between the two are seldom chosen.
-  /// `lit`: how much of each node one of the ends shines on (of_nodes), or null.
+  /// Samples an edge or cluster around which light goes from `b` to `a`, in beams of width `sigma`. `angle` =
+  /// 1/(2 k sigma) is the width of the cone into which long edges diffract. `lit` is the irradiated fraction
+  /// of each node for the lamp at one of the ends (of_nodes), or null. Edges that are no outlines between the
+  /// two ends have a small probability.
   std::optional<Leaf> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma, double u,
                                      const float* lit = nullptr) const;
-  /// One of them.
+  /// Samples one edge of the leaf.
   Choice edge_between(const Leaf& leaf, const PathEnd& a, const PathEnd& b) const;
-  /// That of one edge.
+  /// Returns the estimate of the light around one edge.
   static double estimate(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle, float sigma);
-  /// An edge that light from or to `a` may reach.
-  /// `leaving`: one that is left out, or null.
+  /// Samples an edge that light from or to `a` may reach. `leaving` is an edge that is left out, or null.
   std::optional<Choice> choose_from(const PathEnd& a, double u, const MeshEdge* leaving = nullptr,
                                     const float* lit = nullptr) const;
-  /// The means over the nodes' edges, by their length, of a number for each edge.
+  /// Returns the mean, over the edges of each node, of a number for each edge, weighted by the edges'
+  /// lengths.
   std::vector<float> of_nodes(std::span<const float> edge_values) const;
 
-  /// About the light that comes to `p` from edges of which each length sends as much into all directions, over that of
-  /// surfaces all around of that radiance times length.
+  /// Returns an estimate of the irradiance at `p` from edges of uniform intensity per length, in all
+  /// directions, over that of surfaces all around with that intensity as their radiance times length.
   float seen_from(const Vec3& p) const;
 
   bool empty() const { return nodes_.empty(); }
@@ -85,16 +88,17 @@ private:
   struct Node {
     Vec3 center;
     float radius = 0;
-    float length = 0;     ///< of all edges
-    float shortest = 0;   ///< of them
-    float count = 0;      ///< of edges
-    NormalCone normals;   ///< of the faces at them
-    NormalCone lines;     ///< of their directions, either way
+    float length = 0;     ///< total length of the edges
+    float shortest = 0;   ///< shortest length of an edge
+    float count = 0;      ///< number of edges
+    NormalCone normals;   ///< of the faces at the edges
+    NormalCone lines;     ///< of the edges' directions, up to sign
     std::uint32_t index;  ///< of the first of two children, or of the edge or cluster
     bool is_leaf;
     bool is_cluster;
   };
-  /// Data of an edge or cluster that its node follows from: items are sorted in place, so that those of a node are adjacent in memory.
+  /// Data of an edge or cluster from which its node follows. Items are sorted in place, so that those of a
+  /// node are adjacent in memory.
   struct Item;
 
   void build(std::uint32_t node, std::span<Item> items, int depth);
@@ -108,8 +112,8 @@ private:
   std::vector<Node> nodes_;
 };
 
-/// Where on the line of an edge the light from `b` to `a` fulfils Keller's condition, as a distance from its start;
-/// nothing where no place or every place does.
+/// Returns the point on the line of an edge at which light from `b` to `a` fulfils Keller's condition, as a
+/// distance from its start; empty if no point or every point does.
 std::optional<double> keller_point(const EdgeLine& line, const PathEnd& a, const PathEnd& b);
 
 }  // namespace aureole

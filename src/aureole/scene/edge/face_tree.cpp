@@ -19,13 +19,13 @@ Bounds3 box_about(const Triangle& triangle) {
   return box;
 }
 
-/// By how much places count as the same, for coordinates as large as those of the box.
+/// Returns the tolerance within which points coincide, for coordinates as large as those of the box.
 double rounding_in(const Bounds3& box) {
   constexpr double kOfCoordinates = 5e-7;
   return kOfCoordinates * double(std::max(max_component(abs(box.lower)), max_component(abs(box.upper))));
 }
 
-/// The plane of a triangle, with a normal of length 1; `rounding`: by how much places count as in it.
+/// The plane of a triangle, with a unit normal. Points within `rounding` of it count as in it.
 struct FacePlane {
   FacePlane(const Triangle& t, double rounding) : origin(t[0]), rounding(rounding) {
     n = cross(Double3(t[1]) - origin, Double3(t[2]) - origin);
@@ -40,7 +40,7 @@ struct FacePlane {
   bool exists;
 };
 
-/// How high the corners of a triangle lie above a plane.
+/// The heights of the corners of a triangle above a plane.
 struct Heights {
   Heights(const Triangle& t, const FacePlane& plane) {
     for (std::size_t i = 0; i < 3; ++i) above[i] = plane.above(t[i]);
@@ -51,7 +51,7 @@ struct Heights {
   bool straddles;
 };
 
-/// The stretch of a line along d in which a triangle that straddles a plane cuts that.
+/// Returns the interval, as positions along d, in which a triangle that straddles a plane cuts the plane.
 std::pair<double, double> cut(const Triangle& t, const Heights& heights, const Double3& d) {
   double at[2];
   int count = 0;
@@ -65,8 +65,8 @@ std::pair<double, double> cut(const Triangle& t, const Heights& heights, const D
   return std::minmax(at[0], at[1]);
 }
 
-/// Whether two triangles meet along a line inside both (Moeller 1997, "A fast triangle-triangle intersection test"); `theirs` straddles the
-/// plane of `own`.
+/// Whether two triangles intersect along a line inside both (Moeller 1997, "A fast triangle-triangle
+/// intersection test"); `theirs` straddles the plane of `own`.
 bool cross_each_other(const Triangle& own, const FacePlane& plane, const Triangle& theirs,
                       const Heights& their_heights) {
   const FacePlane other(theirs, plane.rounding);
@@ -119,7 +119,7 @@ std::size_t count_crossing_faces(const FaceTree& all) {
             if (other == i || squared_distance(box, their_box) > 0) return true;
             if (++tried > kMostTried) return false;
             plane.rounding = std::max(rounding, rounding_in(their_box));
-            const Heights heights(theirs, plane);  // most lie on one side
+            const Heights heights(theirs, plane);  // most faces lie on one side
             crosses = heights.straddles && !have_common_corner(face, theirs) &&
                       cross_each_other(face, plane, theirs, heights);
             return !crosses;

@@ -17,15 +17,16 @@ struct FaceTree {
   explicit FaceTree(std::span<const TriangleSet> sets);
 
   std::vector<Triangle> faces;
-  std::vector<std::uint32_t> set_of;  ///< of each face
-  BeamTree tree;                      ///< of their boxes
+  std::vector<std::uint32_t> set_of;  ///< set of each face
+  BeamTree tree;                      ///< tree of the faces' boxes
 };
 
-/// How many faces cut through others or are cut by them, without a common corner: none that only touch, or that lie in one plane. Of those
-/// that meet the boxes of many others perhaps not all are found.
+/// Returns the number of faces that cut through others or are cut by them, without a common corner. Faces
+/// that only touch, or lie in one plane, do not count. Faces whose boxes overlap those of very many others
+/// may be missed.
 std::size_t count_crossing_faces(const FaceTree& faces);
 
-/// A remark where some do; empty: none do.
+/// Returns a note on crossing faces; empty if there are none.
 std::string remark_on_crossings(const FaceTree& faces);
 
 }  // namespace aureole

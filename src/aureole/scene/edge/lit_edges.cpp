@@ -12,18 +12,19 @@ namespace {
 constexpr std::size_t kMostLamps = 16;
 constexpr double kMostRays = 8e6;
 constexpr int kMostPlaces = 4;  ///< along an edge
-/// Of an edge of which no ray has met the lamp: light may come to it between the rays.
+/// Irradiated fraction of an edge from which no ray has reached the lamp: light may reach the edge between
+/// the rays.
 constexpr float kLeast = 0.03f;
 
 PathEnd end_of(const DirectSample& seen) { return seen.infinite ? PathEnd{seen.wo, true} : PathEnd{seen.p}; }
 
-/// Of an edge.
+/// The irradiation of an edge by a lamp.
 struct Lit {
-  float part = kLeast;        ///< from whose places a ray meets the lamp
-  float nearest = kInfinity;  ///< distance of the edge from where these rays meet it
+  float part = kLeast;        ///< fraction of points from which a ray reaches the lamp
+  float nearest = kInfinity;  ///< smallest distance of the edge from points of the lamp
 };
 
-/// Each place looks at another point of the lamp.
+/// Estimates the irradiated fraction of an edge; each point on the edge tests another point of the lamp.
 Lit lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& edge, int places,
              const Light& light, std::size_t part, const Wavelengths& w) {
   Lit result;

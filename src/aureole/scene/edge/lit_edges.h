@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `LitEdges`: how much of each edge a lamp shines on. Of the edges of a city nearly all lie in the shadow of others, and light that goes
-// around an edge has to reach it: the choice of edges (EdgeTree) is guided by what rays to the lamps have found when the scene was built.
+// `LitEdges`: the irradiated fraction of each edge for each lamp. Nearly all edges of a city lie in the
+// shadow of others, and light that an edge diffracts has to reach it: the sampling of edges (EdgeTree) is
+// guided by rays that are traced to the lamps when the scene is built.
 #pragma once
 
 #include <optional>
@@ -14,32 +15,34 @@
 
 namespace aureole {
 
-/// About where a lamp is for light that goes to a place: a point of it, or a direction to it, that two numbers choose; its middle where
-/// that place does not see it. Nothing for a lamp at infinity that it does not see.
+/// Returns a representative end of light from a lamp to the point `seen_from`: the point on the lamp, or the
+/// direction to it, that `u` samples. If the lamp does not irradiate that point, the result is the lamp's
+/// centre, or empty for a lamp at infinity.
 std::optional<PathEnd> lamp_end(const Light& light, std::size_t part, Vec2 u, const Vec3& seen_from,
                                 const Wavelengths& w);
-/// Two numbers for the look of that number, of `count` looks at different points of a lamp.
+/// Returns two numbers in [0, 1) that choose the point of the lamp for visibility test number `look` of
+/// `count`; all points differ.
 Vec2 look_numbers(int look, int count);
-/// Whether nothing is in the way between a place on an edge and an end of a path.
+/// Whether the segment between a point on an edge and an end of a path is unoccluded.
 bool is_open(const RayTracer& tracer, const EdgePoint& from, const PathEnd& to);
 
 class LitEdges {
 public:
   LitEdges() = default;
-  /// Of the strongest lamps, as many as a few million rays serve. `w`: any wavelengths.
+  /// Traces rays to the strongest lamps, at most a few million in all. `w`: any wavelengths.
   LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
            const LightSampler& sampler, const Wavelengths& w);
 
-  /// What is known of a lamp changes the noise of pictures and not their mean.
+  /// The data of one lamp. They change the noise of pictures and not their mean.
   struct Lamp {
     std::uint32_t light;
     std::size_t part;
-    std::vector<std::uint32_t> edges;  ///< the numbers of those that it shines on
-    std::vector<float> lit;            ///< how much of each node of the tree of edges, over 0 and at most 1
-    float nearest = kInfinity;         ///< distance of the lamp from a lit place on an edge
+    std::vector<std::uint32_t> edges;  ///< numbers of the edges that the lamp irradiates
+    std::vector<float> lit;            ///< irradiated fraction of each node of the tree of edges, in (0, 1]
+    float nearest = kInfinity;         ///< distance of the lamp from an irradiated edge
   };
   const std::vector<Lamp>& lamps() const { return lamps_; }
-  /// Null where nothing is known.
+  /// Returns the data of a lamp, or null if there are none.
   const Lamp* from(const Light& light, std::size_t part) const {
     for (const Lamp& lamp : lamps_)
       if (lamp.light == light.index && lamp.part == part) return &lamp;

@@ -15,7 +15,7 @@ namespace {
 
 Double3 difference(const Vec3& a, const Vec3& b) { return Double3(a) - Double3(b); }
 
-/// For every vertex of every set the number of its position, equal for equal positions.
+/// Returns, for every vertex of every set, the number of its position; equal positions have equal numbers.
 std::vector<std::vector<std::uint32_t>> weld(std::span<const TriangleSet> sets) {
   struct Vertex {
     Vec3 p;
@@ -27,7 +27,7 @@ std::vector<std::vector<std::uint32_t>> weld(std::span<const TriangleSet> sets) 
     number[s].resize(sets[s].positions.size());
     for (std::uint32_t i = 0; i < sets[s].positions.size(); ++i) all.push_back({sets[s].positions[i], s, i});
   }
-  const auto key = [](const Vec3& p) { return std::tuple(p.x, p.y, p.z); };  // compares -0 and 0 equal
+  const auto key = [](const Vec3& p) { return std::tuple(p.x, p.y, p.z); };  // -0 and 0 compare equal
   std::sort(all.begin(), all.end(), [&](const Vertex& a, const Vertex& b) { return key(a.p) < key(b.p); });
   std::uint32_t next = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -41,12 +41,12 @@ std::vector<std::vector<std::uint32_t>> weld(std::span<const TriangleSet> sets) 
 struct Side {
   std::uint64_t ends;  // numbers of the two positions, the smaller one first
   MeshFace face;
-  std::uint8_t corner;  // where the side begins
+  std::uint8_t corner;  // the corner at which the side begins
 };
 
 struct Face {
   std::array<Vec3, 3> p;
-  Double3 normal;  // twice the area
+  Double3 normal;  // its length is twice the area
 };
 Face face_of(std::span<const TriangleSet> sets, MeshFace f) {
   const TriangleSet& set = sets[f.set];
@@ -63,19 +63,21 @@ Bounds3 box_of(const Face& face) {
   return box;
 }
 
-/// By how much corners may be off: eight units in the last place of floats as large as the largest coordinate.
+/// Returns the uncertainty of corners: eight units in the last place of floats as large as the largest
+/// coordinate.
 double rounding_of(const Bounds3& box) {
   constexpr double kRounding = 5e-7;
   return kRounding * std::max(max_component(abs(box.lower)), max_component(abs(box.upper)));
 }
 
-/// The triangle as floats place it has an extent: it has an area, and is not as small as its corners may be off.
+/// Whether a triangle has an extent in floats: a positive area, and a size above the uncertainty of its
+/// corners.
 bool has_extent(const Face& face) {
   const Bounds3 box = box_of(face);
   return length(face.normal) > 0 && double(max_component(box.diagonal())) > rounding_of(box);
 }
 
-/// The faces at one line a -> b: where each of them goes from there, across the line.
+/// The faces that share one line a -> b, by their angles about the line.
 class Fan {
 public:
   explicit Fan(const Vec3& a, const Vec3& b) : a_(a), e_(normalize(difference(b, a))) {
@@ -87,8 +89,9 @@ public:
     angles_.push_back({std::atan2(dot(to, y_), dot(to, x_)), id, face.normal});
   }
 
-  /// The edge as light sees it. Light that passes must leave all faces on one side, so that of many faces the two at the widest gap
-  /// decide; where no gap is wider than half a turn there are faces on both sides from every direction. False: no edge.
+  /// Sets the edge, or returns false if there is none. Light that passes the edge must have all faces on one
+  /// side, so that of many faces the two at the widest gap count. If no gap is wider than half a turn, there
+  /// are faces on both sides from every direction.
   bool make_edge(MeshEdge& edge) {
     std::sort(angles_.begin(), angles_.end(), [](const Spoke& x, const Spoke& y) {
       return std::tuple(x.angle, x.face.set, x.face.triangle) <
@@ -100,7 +103,7 @@ public:
       const double before = i > 0 ? angles_[i - 1].angle : angles_.back().angle - 2 * std::numbers::pi;
       if (angles_[i].angle - before > widest) widest = angles_[i].angle - before, after = i;
     }
-    // Neighbours that go on straight are flat.
+    // Two faces that continue each other in one plane make no edge.
     if (widest < std::numbers::pi + kFlat) return false;
     const Spoke* first = &angles_[after];
     const Spoke* last = &angles_[(after + angles_.size() - 1) % angles_.size()];
@@ -114,7 +117,7 @@ public:
       std::swap(first, last);
     const auto out = [&](const Spoke& s) { return x_ * std::cos(s.angle) + y_ * std::sin(s.angle); };
     const Double3 own = out(*first), other = out(*last);
-    // The edge runs so that the first face lies to the left, seen from the side of its own normal.
+    // The edge is directed so that the first face lies to the left, seen from the side of its own normal.
     const double sign = dot(cross(e_, own), first->normal) < 0 ? -1 : 1;
     if (sign < 0) std::swap(edge.a, edge.b);
     edge.n0 = normalize(cross(e_, own) * sign).to_float();
@@ -132,15 +135,15 @@ private:
   struct Spoke {
     double angle;
     MeshFace face;
-    Double3 normal;  ///< as the face is wound
+    Double3 normal;  ///< by the face's winding
   };
   Vec3 a_;
   Double3 e_, x_, y_;
   std::vector<Spoke> angles_;
 };
 
-/// Takes from the borders of surfaces what lies in the plane and within of another face, or runs along an earlier one's side: sheets
-/// that overlap in one plane, or touch without common vertices, are one sheet.
+/// Removes from the borders of surfaces the parts that lie inside another face in the same plane, or along a
+/// side of an earlier one: sheets that overlap in one plane, or touch without common vertices, are one sheet.
 class FlatUnion {
 public:
   explicit FlatUnion(std::span<const TriangleSet> sets) : sets_(sets) {
@@ -151,7 +154,7 @@ public:
         if (!has_extent(face)) continue;
         faces_.push_back({s, t});
         roundings_.push_back(rounding_of(box_of(face)));
-        // Edges whose own corners are more exact must find it, too.
+        // The margin lets edges with smaller uncertainty find the face.
         Bounds3& box = boxes.emplace_back(box_of(face));
         const auto margin = float(2 * roundings_.back()) * Vec3{1, 1, 1};
         box.lower = box.lower - margin, box.upper = box.upper + margin;
@@ -159,7 +162,7 @@ public:
     tree_ = BeamTree(boxes);
   }
 
-  /// Appends what is left of a boundary edge.
+  /// Appends the parts of a boundary edge that no other face covers.
   void append_rest(const MeshEdge& edge, std::vector<MeshEdge>& edges) {
     const Double3 a(edge.a), along = difference(edge.b, edge.a);
     const double size = length(along);
@@ -171,7 +174,7 @@ public:
     const double own = rounding_of(box_of(face));
     covered_.clear();
     tree_.visit({edge.a, e.to_float(), float(2 * own), 0.f, float(size)}, [&](std::uint32_t i) {
-      // One for both faces, so that they agree on what coincides.
+      // The larger of both uncertainties, so that both faces agree on which points coincide.
       const double rounding = std::max(own, roundings_[i]);
       const MeshFace id = faces_[i];
       if (id.set == edge.face0.set && id.triangle == edge.face0.triangle) return;
@@ -179,7 +182,7 @@ public:
       for (int c = 0; c < 3; ++c) {
         const TriangleSet& set = sets_[id.set];
         const Double3 p = Double3(set.positions[set.triangles[id.triangle][std::size_t(c)]]) - a;
-        if (std::abs(dot(p, n)) > rounding) return;  // another plane
+        if (std::abs(dot(p, n)) > rounding) return;  // the face lies in another plane
         u[c] = dot(p, e), v[c] = dot(p, out);
         if (std::abs(v[c]) <= rounding) v[c] = 0;
       }
@@ -222,7 +225,7 @@ public:
 private:
   std::span<const TriangleSet> sets_;
   std::vector<MeshFace> faces_;
-  std::vector<double> roundings_;  ///< by which the corners of each face may be off
+  std::vector<double> roundings_;  ///< uncertainty of the corners of each face
   BeamTree tree_;
   std::vector<std::pair<double, double>> covered_;
 };
@@ -240,7 +243,8 @@ std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets) {
       const double rounding = rounding_of(box_of(face));
       for (std::uint8_t c = 0; c < 3; ++c) {
         const std::uint64_t a = number[s][indices[c]], b = number[s][indices[(c + 1) % 3]];
-        // A side that is as short may be one of a face without extent: its other faces go on there without an edge.
+        // A shorter side may belong to a face without extent: the neighbours of that face continue each other
+        // there without an edge.
         const Vec3 side = abs(face.p[(c + 1u) % 3] - face.p[c]);
         if (a != b && double(max_component(side)) > 2 * rounding)
           sides.push_back({std::min(a, b) << 32 | std::max(a, b), {s, t}, c});

@@ -22,17 +22,18 @@ struct MeshFace {
   std::uint32_t set, triangle;
 };
 
-/// An edge that bounds the outline of its surface, seen from some direction at least: the boundary of a surface, or a fold.
+/// An edge that bounds the outline of its surface, seen from at least one direction: the boundary of a
+/// surface, or a fold.
 struct MeshEdge {
-  Vec3 a, b;    ///< seen from the side of n0 the first face lies to the left
-  Vec3 n0, n1;  ///< unit normals of its faces, away from the same side of the surface; n1 is 0 at a boundary
+  Vec3 a, b;    ///< the first face lies to the left, seen from the side of n0
+  Vec3 n0, n1;  ///< unit normals of the faces, on one side of the surface; n1 is 0 at a boundary
   MeshFace face0, face1;
-  bool is_boundary;  ///< of one face, or of several that go the same way
+  bool is_boundary;  ///< of one face, or of several that lie in one half-plane about the edge
   bool is_concave;   ///< a fold towards the side of its normals
 
-  /// Whether, in parallel light along `d`, one of the faces is lit from the front and the other one from the back.
+  /// Whether, in parallel light along `d`, one face is irradiated from the front and the other from the back.
   bool is_outline(const Vec3& d) const { return is_boundary | (dot(n0, d) * dot(n1, d) <= 0); }
-  /// A direction of light, of length 1, for which it is an outline.
+  /// Returns a unit direction of light for which the edge is an outline.
   Vec3 across() const {
     const Vec3 d = is_boundary ? n0 : cross(b - a, n0 + n1);
     return normalize(length_squared(d) > 0 ? d : n0);
@@ -43,10 +44,11 @@ struct MeshEdge {
   }
 };
 
-/// Edges of all sets together. Vertices at one position are one: seams of texture coordinates or normals and borders between meshes that
-/// touch are no edges. Nor are folds of less than 1e-4 rad, edges or triangles of no extent, edges with faces on both sides from every
-/// direction, and what of the border of a surface lies on another one in its plane. Where more than two faces meet, the outermost two
-/// make the edge.
+/// Returns the edges of all sets together. Vertices at one position are one vertex: seams of texture
+/// coordinates or normals, and borders between meshes that touch, are no edges. Folds of less than 1e-4 rad,
+/// edges or triangles without extent, and edges with faces on both sides from every direction are no edges
+/// either, nor is the part of a surface's border that lies on another surface in its plane. If more than two
+/// faces share an edge, the outermost two count.
 std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets);
 
 }  // namespace aureole

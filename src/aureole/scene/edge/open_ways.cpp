@@ -12,10 +12,11 @@ namespace {
 
 using std::numbers::pi;
 
-/// Rays that look for an open way beside an edge, at most. Of slits that are met less often the estimate is cut.
+/// Largest number of rays that search for an unoccluded segment beside an edge. The estimate is truncated in
+/// slits that need more.
 constexpr int kMostSlitRays = 4096;
 
-/// Whether a surface that is more than a boundary of media is in the way.
+/// Whether a surface other than a null surface is in the way of a ray.
 bool is_in_the_way(const SceneSurfaces& surfaces, Ray ray) {
   if (surfaces.has_binary_visibility()) return surfaces.tracer->occluded(ray);
   for (int i = 0; i < 16; ++i) {
@@ -33,7 +34,7 @@ bool is_in_the_way(const SceneSurfaces& surfaces, Ray ray) {
 std::optional<double> per_open_way(const SceneSurfaces& surfaces, const EdgePoint& x, const Vec3& d,
                                    double deviation, double depth, KeyedRandom& random) {
   const auto reach = float(depth);
-  // Ways as short as that must not begin behind the face by rounding.
+  // A segment this short could begin behind the face, by rounding.
   if (!(reach > max_component(abs(x.p)) * gamma_bound(8))) return {};
   if (is_in_the_way(surfaces, {x.p, -d, reach}) || is_in_the_way(surfaces, {x.p, d, reach})) return {};
   Double3 s, t;

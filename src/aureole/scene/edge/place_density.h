@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `PlaceDensity`: where on an edge a place is drawn around which light goes between two ends. May change freely: any density that is positive
-// everywhere on the edge is right, and this one decides the noise.
+// `PlaceDensity`: the density by which the point on an edge around which light goes between two ends is
+// sampled. Any density that is positive everywhere on the edge is correct; the choice only affects the noise.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace aureole {
 
-/// A density on an edge, [0, length]: about the place that fulfils Keller's condition, near both ends, where corners
-/// diffract, and everywhere.
+/// A density on an edge, over [0, length]: a mixture of a Gaussian about Keller's point, two exponentials
+/// near the ends, where corners diffract, and a uniform density.
 class PlaceDensity {
 public:
   PlaceDensity(std::optional<double> keller, double deviation, double end_scale, double length)
@@ -21,7 +21,7 @@ public:
     if (keller && deviation < 4 * length) {
       middle_ = *keller, deviation_ = deviation;
       const double scale = 1 / (deviation_ * std::numbers::sqrt2);
-      // Most edges have the whole of it.
+      // A shortcut: most edges contain the whole Gaussian.
       low_ = middle_ * scale > 6 ? -1 : std::erf(-middle_ * scale);
       high_ = (length_ - middle_) * scale > 6 ? 1 : std::erf((length_ - middle_) * scale);
       const double mass = 0.5 * (high_ - low_);

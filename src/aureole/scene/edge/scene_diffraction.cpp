@@ -48,7 +48,7 @@ SceneDiffraction::SceneDiffraction(const DiffractionInput& in, const SceneDiffra
   if (same_lights)
     lit_ = reuse->lit_;
   else if (!in.has_binary_visibility)
-    lit_ = std::make_shared<const LitEdges>();  // rays do not tell the transmittance
+    lit_ = std::make_shared<const LitEdges>();  // visibility rays have no transmittance
   else
     lit_ = std::make_shared<const LitEdges>(*edges_, *in.surfaces.tracer, in.emitters, in.lights, middle);
   seen_ = same_lights && has_same_sensor(in, *before)

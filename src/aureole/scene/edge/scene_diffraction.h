@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `SceneDiffraction`: all that a scene keeps for edges that diffract light.
+// `SceneDiffraction`: all data of a scene for the diffraction model `beams`.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace aureole {
 
-/// The parts of a scene that edges, lights and the sensor are found in; all of them are complete.
+/// The parts of a scene from which edges, lights and the sensor are taken; all of them are complete.
 struct DiffractionInput {
   const SceneParts& parts;
   const SceneSurfaces& surfaces;
@@ -28,16 +28,16 @@ struct DiffractionInput {
 
 class SceneDiffraction {
 public:
-  /// Reuses what does not differ of that of another scene, `reuse`, unless it is null: `before` are its
-  /// parts.
+  /// Reuses the data of another scene, `reuse`, that do not differ, unless it is null; `before` are the parts
+  /// of that scene.
   SceneDiffraction(const DiffractionInput& in, const SceneDiffraction* reuse, const DiffractionInput* before);
 
   const SceneEdges& edges() const { return *edges_; }
-  /// False where no shape has edges that diffract.
+  /// Returns false if no shape has edges that diffract.
   bool has_edges() const { return !edges_->empty(); }
-  /// The irradiated part of the edges, for each light.
+  /// The irradiated fraction of the edges, for each light.
   const LitEdges& lit_edges() const { return *lit_; }
-  /// The edges that the sensor sees.
+  /// The edges that are visible from the sensor.
   const SeenEdges& seen_edges() const { return *seen_; }
   /// Light in the scene's shadows without diffraction (scene/edge/shadow_light.h).
   float light_in_shadows() const { return light_in_shadows_; }
@@ -52,8 +52,7 @@ private:
   std::vector<std::string> notes_;
 };
 
-/// A note where BSDFs of the scene ask for diffraction and the integrator has none; empty: there is no such
-/// BSDF.
+/// Returns a note if BSDFs of the scene request diffraction and the integrator has none; else an empty text.
 std::string note_without_diffraction(const SceneParts& parts);
 
 }  // namespace aureole

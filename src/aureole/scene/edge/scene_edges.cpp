@@ -68,7 +68,7 @@ void SceneEdges::group_clusters() {
 }
 
 void SceneEdges::remark_crowds() {
-  // Every sample looks at all edges within its beam; clusters need little time for it.
+  // Every sample evaluates all edges within its beam; clusters take little time, so that they do not count.
   constexpr std::size_t kPlaces = 64, kCrowd = 500;
   const std::vector<MeshEdge>& edges = index_.edges();
   const double metres = 1e-9 * 0.5 * (shortest_nm_ + longest_nm_);
@@ -92,7 +92,7 @@ void SceneEdges::remark_crowds() {
 SceneEdges::Beams SceneEdges::beams(const Wavelengths& w) const {
   Beams b;
   b.achromatic = width_.is_achromatic();
-  const Spectrum unit = float(1e9 * unit_m_);  // in nanometres
+  const Spectrum unit = float(1e9 * unit_m_);  // the scene's unit in nanometres
   b.k = float(2 * pi) * unit / w.nm;
   switch (width_.unit) {
     case BeamWidth::Unit::wavelengths:
@@ -112,7 +112,8 @@ SceneEdges::Beams SceneEdges::beams(const Wavelengths& w) const {
 
 EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const {
   EdgePoint point{&edge, l, line.at(l), {}, pdf};
-  // Away from both faces. At a boundary the surface ends.
+  // The point is moved away from both faces; at a boundary it is moved across the edge, away from the
+  // surface.
   Vec3 off;
   if (edge.is_boundary) {
     off = cross(line.direction.to_float(), edge.n0);
@@ -123,7 +124,8 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
         size > 1e-3f ? off * ((edge.is_concave ? -1 : 1) / size) : cross(line.direction.to_float(), edge.n0);
   }
   const Vec3 p = point.x.to_float();
-  // The rounding of places on faces, and of rays that come from afar: theirs grows with the way.
+  // Bounds the rounding of points on faces, and of rays that come from afar, whose error grows with their
+  // length.
   const float reach =
       max_component(abs(edge.a)) + max_component(abs(edge.b)) + float(line.length) + diameter_;
   point.p = p + off * (reach * gamma_bound(32) + lift_[edge.face0.set]);
@@ -136,7 +138,7 @@ std::optional<SceneEdges::EdgesBetween> SceneEdges::choose_between(const PathEnd
   const auto leaf =
       tree_.choose_between(a, b, beams.angle, beams.widest, EdgeTree::random_from(u[0], u[1]), lit);
   if (!leaf) return {};
-  // Keller's coefficient times the ends' squared distance; ends at infinity have none.
+  // The estimate is Keller's coefficient over the squared distances; an end at infinity has no distance.
   const double distance2 = a.is_infinite || b.is_infinite ? 1 : double(length_squared(a.p - b.p));
   return EdgesBetween{*leaf, float(leaf->estimate * distance2 / (2 * pi * min_component(beams.k)))};
 }
@@ -163,7 +165,7 @@ EdgePoint SceneEdges::place_between(const MeshEdge& edge, float probability, con
     const Double3 to = a.is_infinite ? Double3(b.p) - x : Double3(a.p) - x;
     const double along = dot(to, line.direction),
                  sine = std::sqrt(std::max(1 - along * along / dot(to, to), 1e-6));
-    // Light from edges shorter than a beam comes from all of their length.
+    // An edge shorter than a beam diffracts light from all of its length.
     const double width = beams.angle * std::max(1.0, 4 * beams.widest / line.length);
     deviation = 1.1 * width * sine / (rate(a) + rate(b));
   }
@@ -180,7 +182,7 @@ std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* 
   const EdgeLine line(edge);
   if (a.is_infinite)
     return point_on(edge, line, u[2] * line.length, float(choice->probability / line.length));
-  // Evenly by the angle under which it is seen: as the inverse square of the distance.
+  // Uniform in the angle that the edge subtends at `a`, that is, by the inverse square of the distance.
   const Double3 to = Double3(a.p) - line.origin;
   const double foot = dot(to, line.direction);
   const double across = std::max(length(to - line.direction * foot), 1e-6 * line.length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// K of a scene's edges, its integral S over directions, and the choice of a direction.
+// K of a scene's edges, its integral S over directions, and the sampling of a direction.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,17 +14,19 @@ namespace {
 
 using std::numbers::pi;
 
-/// Beyond this many sigma from its ends an edge is as good as endless, to exp(-12.5).
+/// Distance from its ends, in sigma, beyond which an edge counts as infinite, to exp(-12.5).
 constexpr double kEndless = 10;
 
-/// The closed form of the power that an edge diffracts holds for cones narrower than kWidestCone, and where no edge side by side with it is
-/// within kApart wavelengths: what of their waves has no direction is not in it (7 % of the power of a wire of half a wavelength, -.7 % of one
-/// and a half, .3 % of two and a half; at corners its errors cancel along the edges). Edges are side by side where the cosine of their angle is
-/// above kParallel and the way to the other one leaves that by a sine above kBeside: pieces of one curve follow each other instead.
+/// The closed form of the power that an edge diffracts holds for cones narrower than kWidestCone, and if no
+/// parallel edge is within kApart wavelengths. It lacks the interference of waves to which no direction
+/// belongs: 7 % of the power of a wire of half a wavelength, -0.7 % of one and a half, 0.3 % of two and a
+/// half; at corners its errors cancel along the edges. Edges count as parallel beside each other if the
+/// cosine of their angle is above kParallel and the sine of the angle between the other edge and the
+/// connection to it is above kBeside: pieces of one curve follow each other instead.
 constexpr float kWidestCone = 1 / 60.f;
 constexpr double kApart = 2, kBeside = 0.25, kParallel = 0.7;
 
-/// Cauchy's distribution wrapped around the circle, of mode 0.
+/// Samples a Cauchy distribution wrapped around the circle, with its mode at 0.
 double sample_wrapped_cauchy(double gamma, double u) {
   return 2 * std::atan(std::tanh(0.5 * gamma) * std::tan(pi * (u - 0.5)));
 }
@@ -32,7 +34,8 @@ double wrapped_cauchy_pdf(double gamma, double cosine) {
   return std::sinh(gamma) / (2 * pi * (std::cosh(gamma) - cosine));
 }
 
-/// A frame about an edge in which the light that arrives along d_i goes on at the azimuth 0.
+/// A frame about an edge in which light that arrives along d_i, if it is not diffracted, continues at the
+/// azimuth 0.
 struct EdgeFrame {
   EdgeFrame(const MeshEdge& edge, const Double3& d_i) : e(EdgeLine(edge).direction) {
     cosine = dot(d_i, e);
@@ -45,20 +48,21 @@ struct EdgeFrame {
       make_basis(e, x, y);
     }
   }
-  /// How fast K falls with the azimuth, for a cone of that angle.
+  /// Returns the width in azimuth of the sampled directions, for a diffraction cone of width `angle`.
   double gamma(double angle) const { return std::min(3.0, 1.5 * angle / std::max(sine, 1e-3)); }
 
   Double3 e, x, y;
   double cosine, sine;
 };
 
-/// Edges seen along a direction, in the plane of x and y about a place. The obstacle is on the left of an edge where its first face is lit.
+/// Projection of edges along a direction, onto the plane of x and y about a point. The obstacle is on the
+/// left of an edge whose first face is irradiated.
 struct Projection {
   Double3 origin, x, y;
   Vec3 d;
 
   optics::ProjectedEdge operator()(const MeshEdge& edge, const EdgeStretch& part = {}) const {
-    // Pointers are exchanged without a branch, which could not be predicted.
+    // The ends are exchanged by pointers without a branch, which could not be predicted.
     const bool left = is_left(edge);
     const Vec3 *from = left ? &edge.a : &edge.b, *to = left ? &edge.b : &edge.a;
     Double3 a = Double3(*from) - origin, b = Double3(*to) - origin;
@@ -72,19 +76,19 @@ struct Projection {
   bool is_left(const MeshEdge& edge) const { return dot(edge.n0, d) < 0; }
 };
 
-/// The fraction of a place along its edge.
+/// Returns the position of a point on its edge, as a fraction of the edge's length.
 double fraction_of(const EdgePoint& point) { return point.at / EdgeLine(*point.edge).length; }
 
 }  // namespace
 
 struct SceneEdges::Neighbours {
-  /// `near` is the thread's, until the next call.
+  /// Edges nearby; the list belongs to the calling thread and is valid until its next call.
   const std::vector<const MeshEdge*>* near;
-  bool is_cluster;               ///< `near` has the edge itself, too
-  EdgeStretch own;               ///< the part of the edge about the place that no face covers
-  std::size_t of_line = 0;       ///< the first so many are parts of its straight line
-  double before = 0, after = 0;  ///< from the place to the ends of that
-  bool alone = false;            ///< there are none but parts of that line, whose ends are far
+  bool is_cluster;               ///< `near` also holds the edge itself
+  EdgeStretch own;               ///< the part of the edge about the point that no face covers
+  std::size_t of_line = 0;       ///< number of edges, first in `near`, on the edge's own straight line
+  double before = 0, after = 0;  ///< distances from the point to the ends of that line
+  bool alone = false;            ///< all of `near` are parts of that line, whose ends are far
 };
 
 std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& point, const Vec3& d,
@@ -102,7 +106,7 @@ std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& po
   thread_local std::vector<const MeshEdge*> near;
   near.clear();
   if (const auto cluster = clusters_.of(number); !cluster.empty()) {
-    // Without branches: which edges are outlines cannot be predicted.
+    // A loop without branches: which edges are outlines cannot be predicted.
     near.resize(cluster.size());
     std::size_t count = 0;
     for (const std::uint32_t i : cluster) {
@@ -126,7 +130,7 @@ std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& po
     std::swap(near[of_line++], near.back());
   });
   double before = (at - own.from) * length, after = (own.to - at) * length;
-  // Where other parts of the line may be covered it counts as ended.
+  // If other parts of the line may be covered, the line counts as ended at the edge.
   if (!is_line_covered && !(own.from > 0)) before += double(place.before);
   if (!is_line_covered && !(own.to < 1)) after += double(place.after);
   const double ends = kEndless * beams.widest;
@@ -139,11 +143,12 @@ std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& po
                     .alone = of_line == near.size() && before > ends && after > ends};
 }
 
-/// `projected` receives what is seen of the edges; the place lies on the one of that number, `at` a fraction of it.
+/// The result of `project`, which writes the projected edges to `projected`: the point lies on the edge
+/// number `own`, at the fraction `at` of its length.
 struct SceneEdges::Projected {
   std::size_t own = 0;
   double at = 0;
-  std::size_t others = 0;  ///< the first edge that is no part of the own one's line
+  std::size_t others = 0;  ///< the first edge that is no part of the own edge's line
 };
 template <class Project>
 SceneEdges::Projected SceneEdges::project(const Neighbours& around, const EdgePoint& point,
@@ -199,7 +204,8 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   const double scale = scale_of(*point.edge);
   const auto scaled = [&] { return make_spectrum([&](int i) { return float(scale * result[i]); }); };
 
-  // In the plane across the mean direction, with the light's turn along x.
+  // Everything is projected onto the plane perpendicular to the mean direction, with the turn of the light
+  // along x.
   const Double3 x = turn * (1 / std::sqrt(turn2));
   const std::size_t number = index_.number(*point.edge), cluster = clusters_.number_of(number);
   const auto wave = [&] {
@@ -241,7 +247,7 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
 
 namespace {
 
-/// Whether an edge beside it and nearly parallel to it is within that distance of a place on its own edge.
+/// Whether a nearly parallel edge beside it is within `distance` of a point on the edge `own`.
 bool has_parallel_within(double distance, std::span<const optics::ProjectedEdge> edges, std::size_t own,
                          double at) {
   const optics::PlanePoint& a = edges[own].from;
@@ -253,7 +259,7 @@ bool has_parallel_within(double distance, std::span<const optics::ProjectedEdge>
     const double fx = a.x + at * vx - edges[i].from.x, fy = a.y + at * vy - edges[i].from.y;
     const double t = std::clamp((fx * ex + fy * ey) / length2, 0.0, 1.0);
     const double nx = fx - t * ex, ny = fy - t * ey, nearest2 = nx * nx + ny * ny;
-    const double beside = fx * ey - fy * ex;  // to the other's line, times its length
+    const double beside = fx * ey - fy * ex;  // distance to the other edge's line, times that edge's length
     if (nearest2 < distance * distance && beside * beside > kBeside * kBeside * nearest2 * length2)
       return true;
   }
@@ -281,7 +287,7 @@ std::optional<Spectrum> SceneEdges::power(const EdgePoint& point, const Vec3& di
   }
   Double3 x, y;
   make_basis(along, x, y);
-  // y turned from x as it is for `kernel`: the obstacle's side must be the same.
+  // y has the orientation that it has in `kernel`, so that the obstacle is on the same side.
   const Projection projection{point.x, x, cross(along, x), d};
   thread_local std::vector<optics::ProjectedEdge> projected;
   const Projected own = project(*around, point, projection, beams, projected);
@@ -303,7 +309,8 @@ std::optional<SceneEdges::Direction> SceneEdges::scatter(const EdgePoint& point,
   const EdgeFrame frame(*point.edge, Double3(d_i));
   const int chosen = beams.achromatic ? 0 : std::min(int(u[3] * kWavelengths), kWavelengths - 1);
   const double angle = 0.5 / (double(beams.k[chosen]) * beams.sigma[chosen]);
-  // Box and Muller's Gaussian across the cone, Cauchy's distribution around it.
+  // The angle from the cone is normally distributed (Box & Muller's method), the azimuth has a wrapped Cauchy
+  // distribution.
   const double normal = std::sqrt(-2 * std::log1p(-double(u[0]))) * std::cos(2 * pi * u[1]);
   const double cosine = frame.cosine + std::max(frame.sine, 1e-3) * angle * normal;
   if (!(std::abs(cosine) < 1)) return {};

@@ -11,19 +11,19 @@
 namespace aureole {
 namespace {
 
-/// Of each stratum as many edges are tried, those that send most light if nothing is in the way.
+/// Largest number of edges that are tested for each stratum: those with the largest estimates of their light.
 constexpr std::size_t kMostTried = 256;
 constexpr int kMostStrata = 64;  ///< along an axis
-/// Estimates of the light of an edge, for all tables.
+/// Largest number of estimates of the light of an edge, for all tables.
 constexpr double kMostEstimates = 1e8;
-constexpr double kMostTables = 4096;  ///< of all lamps: each may ask for some thousand rays
-constexpr int kPlaces = 4;            ///< of a stratum
-/// The part of choices that takes all edges of a table alike.
+constexpr double kMostTables = 4096;  ///< of all lamps, since each table may trace some thousand rays
+constexpr int kPlaces = 4;            ///< sensor points of a stratum
+/// Fraction of choices that takes all edges of a table with equal probability.
 constexpr double kEvenly = 0.1;
 
 using Table = SeenEdges::Table;
 
-/// What all tables of a lamp are made of.
+/// The data from which all tables of a lamp are filled.
 struct Filler {
   const SceneEdges& edges;
   const RayTracer& tracer;
@@ -34,7 +34,7 @@ struct Filler {
   SceneEdges::Beams beams;
   Vec3 middle;  ///< of the scene
 
-  /// Whether nothing is in the way of light around an edge.
+  /// Whether light from the lamp by way of an edge to the sensor is unoccluded.
   bool is_lit(const MeshEdge& edge, const PathEnd& eye, const PathEnd& lamp, Vec2 lens) const {
     const EdgeLine line(edge);
     const double at = std::clamp(keller_point(line, eye, lamp).value_or(0.5 * line.length), 0.0, line.length);
@@ -53,7 +53,7 @@ struct Filler {
       lenses[k] = {lower.x + size.x * (i % 2 ? 0.75f : 0.25f), lower.y + size.y * (i / 2 ? 0.75f : 0.25f)};
       const auto seen = sensor.sample_direct(middle, lenses[k]);
       const auto lamp = seen ? lamp_end(light, lit.part, look_numbers(i, kPlaces), seen->p, w) : std::nullopt;
-      if (!lamp) {  // nothing is said of the part of a map whose places are not known
+      if (!lamp) {  // the sensor point is unknown, and so is the stratum
         table.is_known = false;
         return table;
       }
@@ -83,7 +83,7 @@ struct Filler {
   }
 };
 
-/// `SeenEdges::film_part`.
+/// Computes `SeenEdges::film_part`.
 float part_of_film(const SceneEdges& edges, const Vec3& middle, const PlacedSensor& sensor) {
   constexpr int kMostCells = 64, kPlaces = 4096;
   const Vec2 size = sensor.part.upper - sensor.part.lower;
@@ -108,7 +108,7 @@ float part_of_film(const SceneEdges& edges, const Vec3& middle, const PlacedSens
                          cell(seen->film.x, sensor.part.lower.x, size.x, columns))];
     ++all;
   }
-  // One over the probability that two places are in the same cell.
+  // One over the probability that two points are in one cell.
   double pairs = 0;
   for (const double count : counts) pairs += count * (count - 1);
   return all < 2 ? 1.f : float(std::min(1.0, all * (all - 1) / (std::max(pairs, 1.0) * columns * rows)));
@@ -126,7 +126,7 @@ Table::Choice Table::choose(const SceneEdges& scene_edges, const PathEnd& a, con
   for (std::size_t i = 0; i < count; ++i)
     sum += estimates[i] =
         EdgeTree::estimate(scene_edges.index().edges()[edges[i]], a, b, beams.angle, beams.widest);
-  // Corners send a little where Keller's condition, which the estimate follows, says nothing.
+  // Corners diffract a little in directions that Keller's condition, which the estimate follows, excludes.
   const double scale = sum > 0 && std::isfinite(sum) ? (1 - kEvenly) / sum : 0,
                evenly = (scale > 0 ? kEvenly : 1) / double(count);
   double rest = u;
@@ -147,7 +147,7 @@ SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span
   std::vector<const LitEdges::Lamp*> worth;
   double all = 0;
   for (const LitEdges::Lamp& lamp : lit.lamps())
-    // The sky is not known by a few of its directions.
+    // Lamps at infinity, such as the sky, are left out: a few directions do not represent them.
     if (!lamp.edges.empty() && !lights[lamp.light].is_infinite())
       worth.push_back(&lamp), all += double(lamp.edges.size());
   if (worth.empty()) return;
@@ -155,9 +155,9 @@ SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span
   for (const Vec2 lens :
        {Vec2{0.5f, 0.5f}, Vec2{0.01f, 0.01f}, Vec2{0.99f, 0.01f}, Vec2{0.01f, 0.99f}, Vec2{0.99f, 0.99f}})
     if (const auto seen = sensor.sample_direct(middle, lens)) places.extend(seen->p);
-  // A camera sees more edges than a table holds.
+  // Sensors with one position are left out: a camera sees more edges than a table holds.
   if (places.empty() || !(length(places.diagonal()) > 1e-3f * length(tracer.bounds().diagonal()))) return;
-  // Tables of a map shall not take longer than a picture of a few samples.
+  // Filling the tables of a map must not take longer than a picture with a few samples.
   constexpr float kPixels = 4;
   const Vec2 pixels = sensor.part.upper - sensor.part.lower;
   const auto most = [](float along) { return std::clamp(double(along) / kPixels, 1.0, double(kMostStrata)); };

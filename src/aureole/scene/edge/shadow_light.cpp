@@ -13,12 +13,12 @@
 namespace aureole {
 namespace {
 
-constexpr int kPlacesAlong = 8;  ///< of the film, on each axis
+constexpr int kPlacesAlong = 8;  ///< points on the film, along each axis
 constexpr int kLampRays = 16384;
-/// At most so many of the places where the rays meet one surface are kept, so that those behind a small hole, which are few, count as well;
-/// and the places on the surfaces that most rays meet.
+/// Largest number of points that are kept on one surface, and largest number of surfaces, those that most
+/// rays hit. The limit for each surface lets the few points behind a small hole count as well.
 constexpr std::size_t kMostBounces = 32, kMostSurfaces = 16;
-/// Fewer places in shadow tell nothing.
+/// Fewest points in shadow for a result.
 constexpr std::size_t kFewestPlaces = 8;
 
 Vec2 next2(KeyedRandom& random) {
@@ -36,11 +36,11 @@ bool is_open(const DiffractionInput& scene, const SurfacePoint& from, const Vec3
   return !scene.surfaces.tracer->occluded(ray);
 }
 
-/// Where light of a lamp meets a surface first.
+/// The first hit of light of a lamp on a surface.
 struct Bounce {
   SurfacePoint point;
   Vec3 to_lamp;
-  Spectrum power;  ///< of that ray [W]
+  Spectrum power;  ///< power of the ray [W]
 };
 
 std::vector<Bounce> bounces(const DiffractionInput& scene, const Wavelengths& w, KeyedRandom& random) {
@@ -49,7 +49,7 @@ std::vector<Bounce> bounces(const DiffractionInput& scene, const Wavelengths& w,
   for (int i = 0; i < kLampRays; ++i) {
     const auto lamp = scene.lights.choose_by_power(next2(random));
     if (!lamp || !(lamp->probability > 0)) continue;
-    // Directions are evenly spread (Roberts' sequence): few of the rays pass small holes.
+    // Directions are stratified (Roberts' sequence), since few of the rays pass small holes.
     const auto spread = [&](double step) { return float(std::fmod((i + 0.5) * step, 1.0)); };
     const Vec2 position = next2(random), direction{spread(0.7548776662466927), spread(0.5698402909980532)};
     const auto s = lamp->light->sample_ray(lamp->part, position, direction, w);
@@ -76,7 +76,7 @@ std::vector<Bounce> bounces(const DiffractionInput& scene, const Wavelengths& w,
   return result;
 }
 
-/// The irradiance that all of them send to a place.
+/// Returns the irradiance of a point by light that the bounces reflect to it.
 double irradiance_from(const DiffractionInput& scene, std::span<const Bounce> bounces, const SurfacePoint& x,
                        const Vec3& n, const Wavelengths& w) {
   double sum = 0;
@@ -96,7 +96,8 @@ double irradiance_from(const DiffractionInput& scene, std::span<const Bounce> bo
   return sum;
 }
 
-/// What a matt place with the normal n would have of a lamp as it shines on an edge, in the direction of that, over the lamp's probability.
+/// Returns an estimate of the unobstructed irradiance, of a matt point with the normal n, by a lamp as it
+/// irradiates a sampled edge, from the direction of that edge, over the lamp's probability.
 double unobstructed(const SceneEdges& edges, const LitEdges& lit_edges, const Vec3& p, const Vec3& n,
                     const LightChoice& lamp, const Wavelengths& w, KeyedRandom& random) {
   const Vec2 u = next2(random);

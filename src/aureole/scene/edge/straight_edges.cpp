@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kNone = ~0u;
 
-/// By how much a vertex may be off, over its largest coordinate.
+/// Relative uncertainty of a vertex, over its largest coordinate.
 constexpr float kRounding = 5e-7f;
 
 /// One end of an edge.
@@ -24,36 +24,39 @@ struct End {
 
 Vec3 end_of(const MeshEdge& edge, bool b) { return b ? edge.b : edge.a; }
 
-/// Whether the second edge may go on from the first one, both seen from the vertex where they join.
+/// Whether the second edge may continue the first one. `first_b` and `second_b` tell which end of each edge
+/// lies at the vertex where they join.
 bool go_on(const MeshEdge& first, bool first_b, const MeshEdge& second, bool second_b) {
   if (first.is_boundary != second.is_boundary || first.is_concave != second.is_concave) return false;
   const auto away = [](const MeshEdge& edge, bool b) {
     return normalize(Double3(end_of(edge, !b)) - Double3(end_of(edge, b)));
   };
-  // Lines that bend by less in all are told from straight ones by their vertices.
+  // Smaller bends are detected by the vertices of the whole line.
   if (dot(away(first, first_b), away(second, second_b)) > -0.9999) return false;
   const auto same = [](const Vec3& a, const Vec3& b) { return length_squared(a - b) < 1e-8f; };
   if (same(first.n0, second.n0) && same(first.n1, second.n1)) return true;
-  // The faces of a fold are in the order of the mesh, and where its first one is on the other side the normals may be turned.
+  // The faces of a fold are in the order of the mesh, and the normals may point to the other side if the
+  // first face lies there.
   return !first.is_boundary && ((same(first.n0, second.n1) && same(first.n1, second.n0)) ||
                                 (same(first.n0, -second.n1) && same(first.n1, -second.n0)));
 }
 
-/// A row of edges that join.
+/// A sequence of edges that join.
 struct Chain {
   struct Link {
     std::uint32_t edge;
     bool begins_at_b;
   };
   std::vector<Link> edges;
-  std::vector<Vec3> vertices;  ///< one more
+  std::vector<Vec3> vertices;  ///< one more than edges
 
   void append(const std::vector<MeshEdge>& all, std::uint32_t edge, bool enters_at_b) {
     if (vertices.empty()) vertices.push_back(end_of(all[edge], enters_at_b));
     edges.push_back({edge, enters_at_b});
     vertices.push_back(end_of(all[edge], !enters_at_b));
   }
-  /// The vertex between two others that is farthest from the line through them, or the first of the two where none is off it.
+  /// Returns the vertex between two others that is farthest from the line through them, or `first` if none is
+  /// off the line.
   std::size_t bend(std::size_t first, std::size_t last) const {
     const Double3 o(vertices[first]), way = Double3(vertices[last]) - o;
     const double size = length(way);
@@ -81,7 +84,7 @@ StraightEdges::StraightEdges(const EdgeIndex& index) {
     return std::tuple(key(x), x.edge, x.is_b) < std::tuple(key(y), y.edge, y.is_b);
   });
 
-  // The edge that goes on from each end, and at which of its own ends that begins.
+  // For each end of each edge, the edge that continues there, and the end at which that edge begins.
   struct Next {
     std::uint32_t edge = kNone;
     bool is_b = false;
@@ -99,11 +102,11 @@ StraightEdges::StraightEdges(const EdgeIndex& index) {
   for (std::size_t i = 0; i < ends.size();) {
     std::size_t last = i + 1;
     while (last < ends.size() && key(ends[last]) == key(ends[i])) ++last;
-    constexpr std::size_t kMost = 16;  // many edges that meet at a point are no line
+    constexpr std::size_t kMost = 16;  // many edges that share a vertex are no line
     for (std::size_t j = i; j < last && last - i <= kMost; ++j)
       for (std::size_t k = j + 1; k < last; ++k) join(ends[j], ends[k]);
     if (last - i == 1) {
-      // Meshes that touch may have vertices that differ by their rounding.
+      // Vertices of meshes that touch may differ by rounding.
       const float reach = 2 * kRounding * max_component(abs(ends[i].p));
       Bounds3 place;
       place.extend(ends[i].p);
@@ -124,7 +127,7 @@ StraightEdges::StraightEdges(const EdgeIndex& index) {
   std::vector<std::pair<std::size_t, std::size_t>> parts;
   for (std::uint32_t start = 0; start < edges.size(); ++start) {
     if (done[start]) continue;
-    // Back to where the chain begins, or around a closed one.
+    // Finds the begin of the chain, or goes once around a closed chain.
     std::uint32_t edge = start;
     bool enters_at_b = false;
     for (Next back; (back = next[2 * edge + enters_at_b]).edge != kNone && back.edge != start;)
@@ -137,7 +140,7 @@ StraightEdges::StraightEdges(const EdgeIndex& index) {
       if (on.edge == kNone || done[on.edge]) break;
       edge = on.edge, enters_at_b = on.is_b;
     }
-    // Divided at its bends (Douglas & Peucker 1973).
+    // The chain is divided at its bends (Douglas & Peucker 1973).
     parts = {{0, chain.edges.size()}};
     while (!parts.empty()) {
       const auto [first, last] = parts.back();
