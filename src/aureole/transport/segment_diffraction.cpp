@@ -54,7 +54,7 @@ public:
       wavelengths_[i] = edges_.wavelength(w.nm[int(i)]);
       shortest = std::min(shortest, wavelengths_[i]), longest_ = std::max(longest_, wavelengths_[i]);
     }
-    // All wavelengths of a path share one field where they differ by less than this fraction of its phase.
+    // All wavelengths of a path share one field if they differ by less than this fraction of its phase.
     constexpr double kAlike = 1e-5;
     if (longest_ - shortest < kAlike * longest_) count_ = 1;
   }
@@ -81,7 +81,7 @@ public:
     std::array<Row, kMaxRows> rows;
     std::size_t row_count = 0;
     if (parts.size() > 1 && !screens.is_one_sheet()) row_count = find_rows(parts, row_parts, rows);
-    // The waves of soft and of hard polarisation, or one wave for both.
+    // The loop has two passes, for the waves of soft and of hard polarisation, or one for all waves.
     using Polarisation = DiffractionSettings::Polarisation;
     const Polarisation polarisation = scene_.parts().diffraction->polarisation;
     const bool has_both = polarisation == Polarisation::both;
@@ -110,7 +110,7 @@ private:
     /// visibility, from the segment's two endpoints, of a point just beside the edge on its open side
     bool seen_from_begin, seen_from_end;
     double v = 0;  ///< |v| for a wavelength of 1, at the point of the part with the smallest detour
-    double length_weight = 1;  ///< 1: it acts like an endless edge, 0: like a point
+    double length_weight = 1;  ///< 1: it acts like an infinite edge, 0: like a point
     double in_rows = 0;        ///< weight with which the part acts in rows (1) instead of by itself (0)
 
     /// Whether it diffracts light by itself.
@@ -124,7 +124,7 @@ private:
   };
   static constexpr std::size_t kMaxRows = RowParts::kCapacity / 2;
 
-  // Scratch memory that is kept between calls, since scenes have thousands of edges beside a segment.
+  // Scratch memory is kept between calls, since scenes may have thousands of edges beside a segment.
   static std::vector<EdgeBeside>& beside_edges() {
     static thread_local std::vector<EdgeBeside> all;
     all.clear();
@@ -150,7 +150,7 @@ private:
         const bool is_first = i == 0, is_last = i == cuts_.size();
         part.passage = edges_.part(edge.passage, segment_, is_first ? edge.passage.begin : cuts_[i - 1],
                                    is_last ? edge.passage.end : cuts_[i], !is_first, !is_last);
-        // A part that is an outline for other directions keeps the sides of the whole edge.
+        // A part of an edge that is no outline for this light keeps the sides of the whole edge.
         if (!edges_.find_side(part.passage, segment_, part.passage.in, part.passage.out, !edge.is_outline,
                               part.side)) {
           if (edge.is_outline) continue;
@@ -164,8 +164,8 @@ private:
       }
       if (screens_->is_copy(index, part.passage, longest_)) continue;
       part.seen_from_begin = sees(part.side, true);
-      // A point that one endpoint does not see matters only where another edge diffracts light towards that
-      // endpoint.
+      // If the part is not visible from the begin, its visibility from the end matters only where another
+      // edge diffracts light towards the begin.
       part.seen_from_end = (part.seen_from_begin || !screens_->is_one_sheet()) && sees(part.side, false);
       parts.push_back(part);
     }
@@ -219,7 +219,7 @@ private:
   }
 
   /// Multiplies `weight` by the change of a part's wave at the screen between it and one end of the segment.
-  /// Returns false where no light arrives; sets `turns` where the screen diffracts the light as well.
+  /// Returns false if no light arrives; sets `turns` if the screen diffracts the light as well.
   bool pass_screen(const EdgePart& part, bool is_begin, Field& weight, bool& turns) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
     const auto screen = screens_->find_screen(
@@ -306,8 +306,8 @@ private:
   std::deque<MeshEdge> rims_;  ///< outlines of spheres
 };
 
-/// The probability with which a ray goes on behind all of the obstacles between `begin`, next to `origin`, and `end`: a
-/// point, or infinity.
+/// Returns the probability with which a ray continues behind all obstacles between `begin`, next to `origin`,
+/// and `end`, which is a point or infinity.
 float probability_behind_all(const Scene& scene, const Vec3& begin, const Vec3& origin, const Vec3& d,
                              const Vec3& end, bool infinite, const Wavelengths& w) {
   const float once = probability_behind(scene, origin, d, false, w);
@@ -344,7 +344,8 @@ float probability_behind(const Scene& scene, const Vec3& origin, const Vec3& d, 
   const OutlineEdges& edges = *scene.outline_edges();
   EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
   if (from_infinity) {
-    // Detours depend on the position at which the light arrives, which is at most the far side of the scene.
+    // Detours depend on the distance at which the light arrives, which is at most at the far side of the
+    // scene.
     ray.from = ray.from + ray.d * (2.0 * double(length(scene.tracer().bounds().diagonal())));
     ray.d = -ray.d;
   }

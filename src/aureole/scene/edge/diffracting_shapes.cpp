@@ -13,11 +13,12 @@
 namespace aureole {
 namespace {
 
-/// Edges of round shapes in a scene, at most: beyond that they get fewer sides, and where these are too many none.
+/// Largest number of edges of round shapes in a scene. Beyond it these shapes get fewer sides, or no edges if
+/// that does not suffice.
 constexpr double kMostRoundEdges = 2e6;
 constexpr int kLeastPieces = 16, kMostPieces = 1024;
 
-/// Calls visit(shape, bsdf, part) for every shape, instanced ones once for each instance.
+/// Calls visit(shape, bsdf, part) for every shape, and once per instance for instanced shapes.
 template <class Visit>
 void for_each_shape(const SceneParts& parts, const Visit& visit) {
   for (const Primitive& part : parts.surfaces) {
@@ -30,9 +31,9 @@ void for_each_shape(const SceneParts& parts, const Visit& visit) {
   }
 }
 
-/// The largest angle by which light of that wave number turns around a round surface without creeping along it, which damps it: the
-/// width of the zone (2/(k R))^(1/3) in which the field falls off behind a grazing ray (Levy & Keller 1959, "Diffraction by a smooth
-/// object").
+/// Returns the largest angle by which light turns around a round surface without creeping along it, which
+/// damps it: the width of the zone (2/(k R))^(1/3) in which the field falls off behind a grazing ray (Levy &
+/// Keller 1959, "Diffraction by a smooth object").
 double turn_without_creeping(double wave_number, double radius) {
   return std::min(0.5, std::cbrt(2 / (wave_number * radius)));
 }
@@ -86,7 +87,8 @@ DiffractingShapes::DiffractingShapes(const SceneParts& parts, SeenThrough seen_t
   for (std::size_t i = 0; i < triangles_.size(); ++i) sets.push_back({positions_[i], triangles_[i]});
 }
 
-/// Light is evaluated at normal incidence; textures have no place there, so that a BSDF with one counts as passing light.
+/// The transmittance is evaluated at normal incidence without a surface point, so that a BSDF with textures
+/// counts as transmitting.
 bool DiffractingShapes::passes_light(const Bsdf& bsdf) const {
   if (!has(bsdf.lobes(), Lobe::null)) return false;
   const auto& entries = bsdf.properties().entries();
@@ -118,7 +120,7 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
   if (instance) {
     magnified = 0, reduced = kInfinity;
     const Vec3 origin = instance->point_to_world({0, 0, 0});
-    // The diagonals tell a shear.
+    // The diagonals detect a shear.
     for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0.6f, 0.8f, 0},
                              Vec3{0, 0.6f, 0.8f}, Vec3{0.8f, 0, 0.6f}}) {
       const double by = double(length(instance->point_to_world(axis) - origin));
@@ -139,8 +141,8 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
 }
 
 int DiffractingShapes::wanted_pieces(double radius, bool is_curved) const {
-  // A curved outline is twice as fine as the angle that light turns about it; a flat rim leaves its circle by a tenth of the
-  // wavelength.
+  // On a curved outline the angle between two edges is half the angle by which light turns; a polygon around
+  // a flat rim deviates from it by a tenth of the wavelength.
   const double angle = is_curved ? 0.5 * turn_without_creeping(wave_number_, radius)
                                  : std::sqrt(0.8 * 2 * std::numbers::pi / (wave_number_ * radius));
   return int(
@@ -151,7 +153,7 @@ void DiffractingShapes::add_round_shapes() {
   const auto wanted_alone = [&](const Round& r) {
     return wanted_pieces(r.radius, dynamic_cast<const RoundShape&>(*r.shape).is_curved());
   };
-  // A disc that closes a cylinder has its corners, so that both have one rim.
+  // A disc that closes a cylinder has as many corners as the cylinder, so that both share one rim.
   std::vector<std::pair<double, int>> rims;
   for (const Round& r : rounds_)
     if (dynamic_cast<const RoundShape&>(*r.shape).has_rims()) rims.push_back({r.radius, wanted_alone(r)});
@@ -185,7 +187,8 @@ void DiffractingShapes::add_round_shapes() {
     const auto& round = dynamic_cast<const RoundShape&>(*r.shape);
     const int pieces = std::max(kLeastPieces, int(share * wanted(r)) / 4 * 4);
     coarse += pieces < wanted(r);
-    // Edges of the polygon's outline lie before or behind the shape's own, by an edge's length at most, and lower than that.
+    // The polygon's outline lies before or behind the shape's outline, by at most the length of an edge, and
+    // lower.
     const double turn =
         std::hypot(turn_without_creeping(wave_number_, r.radius), 1.6 * 2 * std::numbers::pi / pieces);
     OutlineMesh mesh = round.outline_mesh(pieces);

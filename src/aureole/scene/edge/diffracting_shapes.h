@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `DiffractingShapes`: which shapes of a scene have edges that diffract, as triangles in the world.
+// `DiffractingShapes`: the shapes of a scene whose edges diffract, as triangles in the world.
 #pragma once
 
 #include <string>
@@ -14,21 +14,19 @@
 
 namespace aureole {
 
-/// The settings of diffraction of the BSDF or of one within it, or null.
+/// Returns the settings of diffraction of a BSDF or of a BSDF nested in it, or null.
 const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf);
-/// The first BSDF in the scene that has its shape diffract, or null.
+/// Returns the first BSDF in the scene that requests diffraction for its shape, or null.
 const Bsdf* first_diffracting_bsdf(const SceneParts& parts);
 
-/// The note of a scene whose shapes have none.
+/// The note for a scene without diffracting edges.
 inline constexpr const char* kNoDiffractingEdges =
     "no shape of the scene has edges that diffract: no light is diffracted";
 
 class DiffractingShapes {
 public:
-  /// Meshes and, by polygons around their rims and outlines, round shapes. Without those that light passes as if they were not there,
-  /// round ones that shine or are seen from within, and, where BSDFs say which shapes diffract, all others.
-  /// `seen_through`: whether shapes count that light passes straight through in part, such as masks and panes. Those that
-  /// pass less than a hundredth of it always do.
+  /// Whether shapes that transmit part of the light undeflected, such as masks and panes, count. Those that
+  /// transmit less than a hundredth of it always count.
   enum class SeenThrough { counts, left_out };
   /// Whether balls become polyhedra in `sets` or are listed in `balls`.
   enum class Balls { as_polyhedra, listed };
@@ -37,21 +35,21 @@ public:
 
   std::vector<TriangleSet> sets;
   std::vector<float> scale;  ///< of each set: factor of the light
-  /// Of each set: how high above an edge light passes. A round surface bends away behind its outline; so far as its depth there is less
-  /// than that, it is as good as a flat screen.
+  /// For each set, the height above an edge from which light passes. A round surface bends away behind its
+  /// outline; where it is lower than the outline by less than this height, it acts as a flat screen.
   std::vector<float> lift;
   std::vector<bool> reflects;  ///< of each set: whether its BSDF reflects as a mirror
   /// A ball in the world.
   struct BallInWorld {
     Double3 center;
     double radius;
-    double lift;  ///< as above
-    int pieces;   ///< sides of a polygon around it that is as good as a circle
+    double lift;  ///< height as in `lift` of a set
+    int pieces;   ///< number of sides of the polygon that approximates its outline
   };
   std::vector<BallInWorld> balls;
   std::vector<std::string> remarks;
 
-  /// The width of beams, with what BSDFs say about it. Throws Error where they disagree.
+  /// Returns the width of beams, also from the BSDFs. Throws Error if they disagree.
   BeamWidth width(const BeamWidth& of_integrator) const;
 
 private:
@@ -62,7 +60,8 @@ private:
                      const Instance* instance, float scale, float lift, bool reflects);
 
   bool passes_light(const Bsdf& bsdf) const;
-  /// The number of sides of a polygon with that radius, whose surface bends away behind its outline or not.
+  /// Returns the number of sides of a polygon that approximates a rim of that radius; `is_curved`: the
+  /// surface bends away behind its outline.
   int wanted_pieces(double radius, bool is_curved) const;
 
   double wave_number_;  ///< of the shortest wavelength, per unit of length
@@ -77,7 +76,7 @@ private:
   std::vector<std::vector<TriangleIndices>> triangles_;
 };
 
-/// A round shape that waits until it is known how many there are.
+/// A round shape; it becomes triangles when the number of round shapes is known.
 struct DiffractingShapes::Round {
   const Shape* shape;
   const Instance* instance;

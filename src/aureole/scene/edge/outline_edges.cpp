@@ -22,13 +22,15 @@ using optics::PlanePoint;
 
 Double3 face_direction(const Double3& normal, const Double3& e) { return cross(normal, e); }
 
-/// Whether `p`, from the segment's begin, lies on the face of an edge: such a face does not shadow it.
+/// Whether a point lies on a face of an edge, which then does not shadow it; `from_edge` is the vector from
+/// the edge to the point.
 bool lies_on_face(const Double3& from_edge, const Double3& normal, const Double3& into_face,
                   double rounding) {
   return std::abs(dot(from_edge, normal)) <= rounding && dot(from_edge, into_face) > 0;
 }
 
-/// By how much a ray of single precision from the segment's begin may be off at a point of an edge, `p` from there.
+/// Returns the error of a ray in single precision from the segment's begin, at a point of an edge; `p` is
+/// that point, relative to the begin.
 double rounding_of(const MeshEdge& edge, const EdgeSegment& segment, const Double3& p) {
   const auto largest = [](const Double3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -53,7 +55,7 @@ public:
     shortest_ = *std::min_element(wavelengths, wavelengths + count);
   }
   void add(double begin, double end) {
-    // 1 - c = theta^2/8, which is largest at an end.
+    // 1 - c = theta^2/8 is largest at an end.
     constexpr double kLittle = 1e-6;
     turns_little_ = std::min(line_.obliquity(begin), line_.obliquity(end)) > 1 - kLittle;
     add(begin, shown(begin), end, shown(end), 0);
@@ -73,7 +75,8 @@ private:
       const PlanePoint m = shown(half);
       const double x = b.x - a.x, y = b.y - a.y, size = std::sqrt(x * x + y * y);
       const double off = size > 0 ? std::abs((m.x - a.x) * y - (m.y - a.y) * x) / size : 0;
-      // A detour d has the phase 2 pi d/lambda = pi P^2/(2 lambda).
+      // A detour delta has the phase 2 pi delta/lambda = pi v^2/(2 lambda), v being the length at a unit
+      // wavelength.
       if (std::numbers::pi * off * std::sqrt(m.x * m.x + m.y * m.y) > kPhase * shortest_) {
         add(begin, a, half, m, depth + 1);
         add(half, m, end, b, depth + 1);
@@ -94,7 +97,7 @@ private:
   Double3 x_, y_;
 };
 
-/// Moves each vertex to the first one within that distance of it, so that what nearly touches shares vertices.
+/// Moves each vertex to the first one within `distance`, so that surfaces that nearly touch share vertices.
 class Welder {
 public:
   explicit Welder(float distance) : distance_(distance) {}
@@ -114,10 +117,10 @@ private:
     return combine_bits(combine_bits(std::uint64_t(x), std::uint64_t(y)), std::uint64_t(z));
   }
   float distance_;
-  std::unordered_map<std::uint64_t, Vec3> first_;  ///< of each cell
+  std::unordered_map<std::uint64_t, Vec3> first_;  ///< first vertex of each cell
 };
 
-/// The triangles with vertices welded within that distance.
+/// Returns the positions of each set, with vertices welded within `distance`.
 std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> sets, float distance) {
   Welder welder(distance);
   std::vector<std::vector<Vec3>> welded;
@@ -128,8 +131,9 @@ std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> set
   return welded;
 }
 
-/// Joins edges that go on straight from one another between equal faces, so that the subdivision of a mesh changes nothing.
-/// `sheet`: of each set of triangles; vertices may lie `distance` off a line.
+/// Joins edges that continue each other straight between equal faces, so that the subdivision of a mesh has
+/// no effect. `sheet` is the number of the plane of each set of triangles; vertices may lie `distance` off a
+/// line.
 std::vector<MeshEdge> joined(const std::vector<MeshEdge>& edges, std::span<const std::uint32_t> sheet,
                              std::uint32_t no_sheet, float distance) {
   struct Ends {
@@ -153,7 +157,7 @@ std::vector<MeshEdge> joined(const std::vector<MeshEdge>& edges, std::span<const
     return a.face0.set == b.face0.set ||
            (sheet[a.face0.set] != no_sheet && sheet[a.face0.set] == sheet[b.face0.set]);
   };
-  // The edge that goes on from the end of another one, or none.
+  // Returns the edge that continues another one from its end, or nothing.
   const auto next_of = [&](std::uint32_t i) -> std::optional<std::uint32_t> {
     const Ends& ends = at[key(edges[i].b)];
     if (ends.count != 2) return {};
@@ -183,7 +187,7 @@ std::vector<MeshEdge> joined(const std::vector<MeshEdge>& edges, std::span<const
       const double rounding =
           double(distance) + 4e-7 * double(std::max(max_component(abs(last)), max_component(abs(end))));
       const Double3 from(result.back().a), along = normalize(Double3(end) - from);
-      // Of many vertices some tell whether the line is straight.
+      // If there are many vertices, some of them are tested.
       constexpr std::size_t kTests = 32;
       const std::size_t step = 1 + passed.size() / kTests;
       bool is_straight = true;
@@ -200,7 +204,8 @@ std::vector<MeshEdge> joined(const std::vector<MeshEdge>& edges, std::span<const
   return result;
 }
 
-/// Returns for each set of triangles the number of its plane, equal for sets in one plane; `none` for sets that are not flat.
+/// Returns for each set of triangles the number of its plane, equal for sets in one plane, or `none` for sets
+/// that are not flat.
 std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float distance,
                                        std::uint32_t none) {
   struct Plane {
@@ -208,7 +213,8 @@ std::vector<std::uint32_t> flat_sheets(std::span<const TriangleSet> sets, float 
     double rounding;
   };
   std::vector<Plane> planes;
-  // Planes of about the same direction and distance from the origin. Round numbers lie in the middle of their cells.
+  // Planes by direction and distance from the origin, both rounded. The factor in `cell` keeps round numbers
+  // away from the borders of cells.
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> planes_near;
   const auto cell = [](double x, double size) {
     return std::uint64_t(std::int64_t(std::round(x / (1.0371 * size))));
@@ -288,7 +294,7 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   balls_ = shapes.balls;
   for (const auto& ball : balls_) {
     lift_.push_back(float(ball.lift));
-    // Each is a sheet of its own, after those of triangles.
+    // Each ball is a sheet of its own, numbered after the sets of triangles.
     sheet_.push_back(std::uint32_t(sheet_.size() + sets.size()));
     const Vec3 center = ball.center.to_float(), r = Vec3{1, 1, 1} * float(1.03 * ball.radius);
     Bounds3& box = boxes.emplace_back();
@@ -324,7 +330,7 @@ Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
   double length = s.length;
   double radius2 = detour * detour;
   if (s.is_infinite()) {
-    // To the far side of all edges, where the paraboloid is widest.
+    // The paraboloid is widest at the far side of all edges.
     length =
         aureole::length(Double3(box_.center()) - s.from) + 0.5 * double(aureole::length(box_.diagonal()));
     radius2 += 2 * length * detour;
@@ -345,7 +351,7 @@ double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment,
     ball_tree_.visit(beam, [&](std::uint32_t i) {
       smallest = std::min(smallest, scale * std::sqrt(squared_rim_parameter(i, segment)));
     });
-  // The edges next to the segment, in the order of v.
+  // The edges with the smallest v, in ascending order.
   constexpr std::size_t kTests = 8;
   struct Candidate {
     double v;
@@ -381,7 +387,7 @@ double OutlineEdges::squared_rim_parameter(std::uint32_t i, const EdgeSegment& s
   const Double3 p = ball.center - segment.from;
   const double depth = dot(p, segment.d), off = length(p - segment.d * depth);
   if (!(depth > 0) || !(depth < segment.length)) return double(kInfinity);
-  // A point of the surface is an end of the segment and no obstacle.
+  // If an end of the segment is a point of its surface, the ball is no obstacle.
   const double near = ball.radius * (1 + 1e-4);
   if (length(p) < near || (!segment.is_infinite() && length(p - segment.d * segment.length) < near))
     return double(kInfinity);
@@ -391,7 +397,7 @@ double OutlineEdges::squared_rim_parameter(std::uint32_t i, const EdgeSegment& s
 }
 
 bool OutlineEdges::has_rim_within(std::uint32_t i, const EdgeSegment& segment, double detour) const {
-  // Twice the detour, since the parameter is a paraxial one.
+  // Twice the detour, since the parameter is paraxial.
   return squared_rim_parameter(i, segment) < 4 * (2 * detour);
 }
 
@@ -423,7 +429,8 @@ bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment
   if (!line.clip(detour, out.begin, out.end)) return false;
   out.middle = line.middle();
   out = part(out, segment, out.begin, out.end, false, false);
-  // The border of a sheet does not act on light of a point of that sheet. Rays begin and end a little off surfaces.
+  // The border of a sheet does not diffract light that begins or ends on that sheet; the tolerance allows for
+  // the offsets of rays from surfaces.
   if (!edge.is_boundary) return true;
   const Double3 normal(edge.n0), into_face = face_direction(normal, line.e);
   const double rounding = 8 * rounding_of(edge, segment, out.p);
@@ -436,8 +443,9 @@ EdgePassage OutlineEdges::part(const EdgePassage& passage, const EdgeSegment& se
   const DetourLine line(*passage.edge, segment);
   EdgePassage part = passage;
   part.begin = begin, part.end = end;
-  // A corner is judged a little way from its end, which the next edge shares: farther than a visibility test is off. Where
-  // two outlines cross, light by way of either ends a little apart from the crossing.
+  // Visibility is tested a small distance from the end of a part, since the next edge begins there; the
+  // distance exceeds the error of a visibility test. Where two outlines cross, the distance is larger, since
+  // the light by way of either outline ends near the crossing and not at it.
   const double off = offset(*passage.edge, rounding_of(*passage.edge, segment, line.at(begin)));
   const double least = 3 * off / std::max(1e-6, length(cross(line.e, segment.d)));
   const auto margin = [&](bool is_cut) {
@@ -455,7 +463,8 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   const bool is_outline = edge.is_outline(through.to_float());
   if (!is_outline && !grazes) return false;
   const Double3 e = normalize(Double3(edge.b) - Double3(edge.a));
-  // The plane of the edge and of the light's mean direction parts the open side from that of the faces.
+  // The plane through the edge and the light's mean direction separates the open side from the side of the
+  // faces.
   Double3 normal = cross(e, through);
   const double size = length(normal);
   if (!(size > 1e-9)) return false;
@@ -480,7 +489,8 @@ bool OutlineEdges::find_wedge(const EdgePassage& passage, const EdgeSegment& seg
   const MeshEdge& edge = *passage.edge;
   if (edge.face0.set >= reflects_.size() || lift_[edge.face0.set] > 0) return false;
   const DetourLine line(edge, segment);
-  // A fold towards the side of its normals is concave there; light passes on its other side, where the fold is convex.
+  // A fold towards the side of its normals is concave there; light passes on the other side, where it is
+  // convex.
   const double side = edge.is_concave && !edge.is_boundary ? -1 : 1;
   const Double3 n0(edge.n0), normal = n0 * side, into_face = face_direction(n0, line.e);
   const double fold =
@@ -488,10 +498,10 @@ bool OutlineEdges::find_wedge(const EdgePassage& passage, const EdgeSegment& seg
   if (fold < kLeastFold) return false;
   const double end = std::numbers::pi + fold;
   out.n = end / std::numbers::pi;
-  // The angle about the edge of a direction away from it, from the o-face.
+  // Sets the angle about the edge, from the o-face, of a direction that points away from the edge.
   const auto angle = [&](const Double3& d, double& phi) {
     phi = std::atan2(dot(d, normal), dot(d, into_face));
-    // Half of the angle within the wedge belongs to each face.
+    // Angles inside the wedge are assigned to the nearer face.
     if (phi < -(2 * std::numbers::pi - end) / 2) phi += 2 * std::numbers::pi;
     if (phi < -kRounding || phi > end + kRounding) return false;
     phi = std::clamp(phi, 0.0, end);
@@ -521,7 +531,8 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
     return false;
   const MeshEdge &edge1 = *first.edge, &edge2 = *second.edge;
   const double rounding = rounding_of(edge1, segment, first.p);
-  // Edges with one common end make a corner, which is in the waves of their ends; with two they are one edge.
+  // Edges with one common end make a corner, which the waves of their ends contain; edges with two are one
+  // edge.
   const auto meet = [&](const Vec3& a, const Vec3& b) { return double(length(a - b)) <= rounding; };
   const int common =
       meet(edge1.a, edge2.a) + meet(edge1.a, edge2.b) + meet(edge1.b, edge2.a) + meet(edge1.b, edge2.b);
@@ -546,7 +557,8 @@ bool OutlineEdges::find_pair(const EdgePassage& first, const EdgePassage& second
   if (!(out.r1 > 0) || !(out.r2 > 0) || out.between < 0) return false;
   out.obliquity1 = line1.obliquity(first.middle), out.obliquity2 = line2.obliquity(second.middle);
   out.turn1 = obliquity_of_turn(first.in, along), out.turn2 = obliquity_of_turn(along, second.out);
-  // From the first edge straight on to the end, at the depth of the second; and from the begin to the second.
+  // `from1`: the ray from the first edge straight to the end, at the depth of the second edge. `height2` is
+  // computed in the same way for the ray from the begin to the second edge.
   const Double3 from1 = line1.is_infinite()
                             ? first.p + segment.d * (z2 - z1)
                             : first.p + (segment.d * segment.length - first.p) * ((z2 - z1) / behind1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `OutlineEdges`: the diffraction factor u/u0 of straight segments that pass edges of the scene's shapes
-// (optics/diffraction/boundary_wave.h). The detours of paths by way of the edges are exact, so that it holds from near the
-// edge to the far field.
+// (optics/diffraction/boundary_wave.h). The detours of paths by way of the edges are exact, so that it holds
+// from near the edge to the far field.
 #pragma once
 
 #include <algorithm>
@@ -25,31 +25,32 @@
 
 namespace aureole {
 
-/// The part of an edge by way of which detours of a segment are short.
+/// The part of an edge whose points have short detours from a segment.
 struct EdgePassage {
   const MeshEdge* edge;
   double begin, end;  ///< distances from edge->a
-  double middle;      ///< where the detour of the whole line is smallest
-  Double3 p;          ///< the point of that part next to `middle`, from the segment's begin
-  Double3 in, out;    ///< unit directions of light from the segment's begin to `p`, and from there to its end
+  double middle;      ///< position of the smallest detour on the edge's whole line
+  Double3 p;          ///< point of the part nearest to `middle`, relative to the segment's begin
+  Double3 in, out;    ///< unit directions of light from the segment's begin to `p`, and from `p` to its end
 
-  /// Whether the segment passes the edge itself, and not a point beyond its ends.
+  /// Whether the smallest detour is by a point of the edge, and not by a point beyond its ends.
   bool passes_middle() const { return middle > begin && middle < end; }
 };
 
-/// How an edge parts light that comes to it and leaves it into its open side and that of its faces.
+/// The open side of an edge and the side of its faces, for light that arrives at the edge and leaves it.
 struct EdgeSide {
-  Double3 normal;     ///< unit vector across edge and light, towards the open side
+  Double3 normal;     ///< unit vector perpendicular to edge and light, towards the open side
   Double3 beside;     ///< a point just off the edge, on its open side
-  double offset;      ///< its distance from the edge
+  double offset;      ///< distance of `beside` from the edge
   bool is_open;       ///< whether the segment passes on the open side
   bool is_at_border;  ///< it passes so near to the edge that only a visibility test decides
 
-  /// The side on which the segment is taken to pass, given whether it is free.
+  /// Returns whether the segment is taken to pass on the open side, given whether it is unoccluded.
   bool takes_open(bool is_free) const { return is_at_border ? is_free : is_open; }
 };
 
-/// An edge as a wedge of two faces, for light that comes to a point of it and leaves it (optics/diffraction/uniform_theory.h).
+/// An edge as a wedge of two faces, for light that arrives at a point of it and leaves that point
+/// (optics/diffraction/uniform_theory.h).
 struct EdgeWedge {
   double n;                     ///< angle outside the wedge over pi, 2 for the border of a sheet
   double phi, phi_i;            ///< angles [radians] from the o-face to where light goes and comes from
@@ -59,22 +60,23 @@ struct EdgeWedge {
 
 /// How two edges one behind the other act on a segment together.
 struct EdgePairField {
-  EdgeSide side1, side2;  ///< for light that goes by way of both
+  EdgeSide side1, side2;  ///< for light by way of both
   double v1, v2;          ///< Fresnel's parameters at a unit wavelength, negative in the shadow of each
-  double cosine;          ///< of the angle between them about the segment
+  double cosine;          ///< of the angle between the edges' normals about the segment
   double r1, between,
-      r2;  ///< distances along the segment: to the first, from there to the second, and on to the end
+      r2;  ///< distances along the segment: to edge 1, from there to edge 2, and on to the end
   double w1,
-      w2;  ///< of light straight from the begin to edge 2 at edge 1, and of light from edge 1 to the end at edge 2
+      w2;  ///< parameters of edge 1 for light to edge 2, and of edge 2 for light from edge 1
   double obliquity1, obliquity2;  ///< cos(theta/2) of paths by way of edge 1 alone and of edge 2 alone
   double turn1, turn2;            ///< cos(theta/2) at edge 1 and at edge 2 of paths by way of both
   double height1;  ///< height above edge 2 of the ray from edge 1 straight to the segment's end
   double height2;  ///< height above edge 1 of the ray from the segment's begin straight to edge 2
 
-  /// Their correlation (`two_edges_field`). Nearer to each other than a twentieth of the wavelength they are one edge.
+  /// Returns the correlation of the edges (`two_edges_field`). Edges closer than a twentieth of the
+  /// wavelength count as one edge.
   double correlation(double wavelength) const {
-    // The detour by way of both is q/4 = (v1^2 + w2^2)/4 = (v2^2 + w1^2)/4, of which the paraxial one is
-    // (v1^2 + v2^2 - 2 rho v1 v2)/(1 - rho^2)/4: this gives rho at large angles.
+    // The detour by way of both is q/4 = (v1^2 + w2^2)/4 = (v2^2 + w1^2)/4. Its paraxial form is (v1^2 + v2^2
+    // - 2 rho v1 v2)/(1 - rho^2)/4; equating both gives rho at large angles.
     const double q = 0.5 * (v1 * v1 + w2 * w2 + v2 * v2 + w1 * w1);
     if (cosine > 0.99 && between > wavelength && q > 0.01 * wavelength)
       return std::clamp((v1 * v2 - w1 * w2) / q, -1.0, 1.0);
@@ -82,9 +84,12 @@ struct EdgePairField {
     const double ratio = r1 / (r1 + apart) * r2 / (r2 + apart);
     return cosine * std::sqrt(ratio);
   }
-  /// The obliquity factor of their common field: of the path by way of both, or by way of the one that hides the other.
+  /// Returns the obliquity factor of the common field: that of the path by way of both edges, or by way of
+  /// the one that occludes the other.
   double obliquity() const { return w2 >= 0 ? obliquity1 : w1 >= 0 ? obliquity2 : turn1 * turn2; }
-  /// Whether visibility tests by way of single edges agree with half planes.
+  /// Whether visibility tests by way of single edges agree with half planes. `first_clears`: the ray from
+  /// edge 1 to the segment's end passes edge 2; `second_clears`: the ray from the begin to edge 2 passes edge
+  /// 1.
   bool agrees(bool first_clears, bool second_clears) const {
     const double rounding = 4 * std::max(side1.offset, side2.offset);
     const auto agree = [&](double height, bool clears) {
@@ -101,8 +106,9 @@ public:
 
   const std::vector<std::string>& notes() const { return notes_; }
 
-  /// Calls visit(passage) for the edges by way of which a detour lies within the window of the longest wavelength (in units
-  /// of the scene). `rims` receives the edges of balls, whose outline depends on the segment; passages refer to them.
+  /// Calls visit(passage) for the edges with a detour inside the window at `wavelength`, the longest one
+  /// [unit of length of the scene]. `rims` receives the edges of balls, whose outline depends on the segment;
+  /// passages refer to them.
   template <class Visit>
   void visit(const EdgeSegment& segment, double wavelength, std::deque<MeshEdge>& rims,
              const Visit& visit) const {
@@ -118,72 +124,79 @@ public:
     for (const MeshEdge& edge : rims) visit_edge(edge);
   }
 
-  /// Returns the smallest Fresnel parameter |v| of paths by way of an edge beside the segment that light reaches, at a wavelength in
-  /// units of the scene; infinity where it exceeds `most`, or the window if that is less. is_lit(p) tells whether light comes
-  /// to a point p just beside an edge; it is not asked for balls, nor for more than 8 edges, beyond which all count.
+  /// Returns the smallest Fresnel parameter |v| of paths by way of an irradiated edge beside the segment, at
+  /// a wavelength in units of the scene; infinity if it exceeds `most`, or the window if that is smaller.
+  /// is_lit(p) tells whether light reaches a point p just beside an edge. It is called for at most 8 edges,
+  /// and not for balls: all others count as irradiated.
   double smallest_parameter(double most, const EdgeSegment& segment, double wavelength,
                             const std::function<bool(const Double3&)>& is_lit) const;
 
-  /// Whether both edges bound one flat sheet, so that neither hides a part of the other.
+  /// Whether both edges bound one flat sheet, so that neither occludes a part of the other.
   bool are_of_one_sheet(const MeshEdge& a, const MeshEdge& b) const {
     const std::uint32_t sheet = sheet_[a.face0.set];
     return sheet != kNoSheet && sheet == sheet_[b.face0.set];
   }
 
-  /// Returns the part of a passage between two distances from the edge's begin. `begins_at_cut`, `ends_at_cut`: there
-  /// another edge crosses it.
+  /// Returns the part of a passage between two distances from the edge's begin. `begins_at_cut` and
+  /// `ends_at_cut` tell whether another edge crosses it there.
   EdgePassage part(const EdgePassage& passage, const EdgeSegment& segment, double begin, double end,
                    bool begins_at_cut, bool ends_at_cut) const;
 
-  /// Sets the sides of an edge for light that comes to it along `in` and leaves it along `out`; false where it is no outline
-  /// of its surface then. `grazes`: it also counts if light runs along one of its faces and the other one falls off.
+  /// Sets the sides of an edge for light that arrives along `in` and leaves along `out`. Returns false if the
+  /// edge is no outline of its surface for that light. `grazes`: it also counts if light runs along one of
+  /// its faces and the other face is inclined to it.
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
                  const Double3& out, bool grazes, EdgeSide& side) const;
 
-  /// Sets the wedge of an edge at a point of the passage; false where the edge acts as that of a half plane that absorbs: of round
-  /// bodies, of folds of less than 30 degrees, which approximate curved surfaces, and where the light would come or go
-  /// within the wedge.
+  /// Sets the wedge of an edge at a point of the passage. Returns false if the edge acts as that of a half
+  /// plane that absorbs: for round bodies, for folds of less than 30 degrees, which approximate curved
+  /// surfaces, and if light would arrive or leave inside the wedge.
   bool find_wedge(const EdgePassage& passage, const EdgeSegment& segment, EdgeWedge& out) const;
 
-  /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the scene].
+  /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the
+  /// scene].
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
 
-  /// Two edges count as parallel if the cosine of the angle between their normals, across the segment, exceeds that.
+  /// Cosine of the angle between the normals of two edges, perpendicular to the segment, above which they
+  /// count as parallel.
   static constexpr double kSideBySide = 0.8;
-  /// Sets how two edges act together, `first` being the one that the segment passes first; false where they do not: on
-  /// opposite sides of the segment, where they cross, in one plane, with a common end, or where the segment passes an end of
-  /// one.
+  /// Sets how two edges act together; the segment passes `first` first. Returns false if they do not act
+  /// together: on opposite sides of the segment, in one plane, if they cross or have a common end, or if the
+  /// segment passes beyond an end of one.
   bool find_pair(const EdgePassage& first, const EdgePassage& second, const EdgeSegment& segment,
                  EdgePairField& out) const;
   /// An edge of a row of edges that act together.
   struct RowEdge {
     bool is_open;  ///< whether the segment is taken to pass on its open side
-    /// Whether its wave was subtracted from u/u0 as that of a segment on its open side (true) or in its shadow (false);
-    /// empty: it was not subtracted.
+    /// The side for which its wave was subtracted from u/u0: true for a segment on its open side, false for
+    /// one in its shadow, empty if it was not subtracted.
     std::optional<bool> subtracted;
   };
-  /// Replaces the waves of edges one behind the other by their common field: of two edges `two_edges_field`, of more the
-  /// product of the fields of neighbours over those of inner edges alone. `pairs[i]` are the edges i and i + 1.
+  /// Replaces the waves of edges one behind the other by their common field: `two_edges_field` of two edges;
+  /// for more edges the product of the fields of neighbours over the fields of the inner edges alone.
+  /// `pairs[i]` consists of the edges i and i + 1.
   void add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double factor,
                const double* wavelengths, int count, std::complex<double>* field) const;
 
-  /// Wavelengths of a path in units of the scene.
+  /// Returns a wavelength of a path in units of the scene.
   double wavelength(float nm) const { return double(nm) * nm_; }
 
 private:
   static double detour_of(double v, double wavelength) { return wavelength * v * v / 4; }
-  /// How far from an edge a point beside it lies, if coordinates are off by `rounding`.
+  /// Returns the distance from an edge of a point beside it, for coordinates with errors up to `rounding`.
   double offset(const MeshEdge& edge, double rounding) const {
     return 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
   }
   Beam beam_of(const EdgeSegment& segment, double detour) const;
-  /// Returns the squared Fresnel parameter of a ball's outline at a unit wavelength, the paraxial one; infinity where an
-  /// end of the segment lies on the ball, or the ball does not lie between the ends.
+  /// Returns the squared Fresnel parameter, in the paraxial form, of a ball's outline at a unit wavelength;
+  /// infinity if an end of the segment lies on the ball, or if the ball does not lie between the ends.
   double squared_rim_parameter(std::uint32_t ball, const EdgeSegment& segment) const;
-  /// Whether a ball's outline may lie within a detour; not where an end of the segment lies on it.
+  /// Whether a ball's outline may have a detour of at most `detour`; false if an end of the segment lies on
+  /// the ball.
   bool has_rim_within(std::uint32_t ball, const EdgeSegment& segment, double detour) const;
-  /// Adds the outline of a ball for light along the segment: a polygon around the circle across it.
+  /// Adds the outline of a ball for light along the segment: a polygon around the circle perpendicular to the
+  /// segment.
   void add_rim(std::uint32_t ball, const EdgeSegment& segment, double detour,
                std::deque<MeshEdge>& rims) const;
   bool find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour, EdgePassage& out) const;
@@ -199,11 +212,11 @@ private:
   Bounds3 box_;
   double nm_;
   double window_ = 60;  ///< |v| up to which contributions count fully; they fade out up to 4/3 of it
-  float welded_ = 0;    ///< vertices nearer to each other than that are one
+  float welded_ = 0;    ///< distance within which vertices are welded
   std::vector<std::string> notes_;
 };
 
-/// Whether both have the same shapes with the same BSDFs, and so the same edges.
+/// Whether both scenes have equal shapes with equal BSDFs, and so equal edges.
 bool has_same_outlines(const SceneParts& a, const SceneParts& b);
 
 }  // namespace aureole
