@@ -20,8 +20,6 @@ from pathlib import Path
 
 # Folders and files that are not checked yet, and why. This is the one list of them.
 EXCLUDED = {
-    "src/aureole/scene/edge": "rewritten together with the work on diffraction",
-    "src/aureole/optics/diffraction": "rewritten together with the work on diffraction",
     "src/aureole/transport/edge": "a prefix: files and folders named edge*; rewritten together with the work on diffraction",
     "docs/plugins.md": "generated from the plug-ins (make docs)",
     "tools/check_words.py": "holds the phrases",

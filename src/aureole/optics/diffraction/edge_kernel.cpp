@@ -414,7 +414,7 @@ void straight_edge_kernels(double across, double along, double shown, std::span<
 
 namespace {
 
-/// Returns the power of an infinite edge, integrated over the whole plane of q, over sigma.
+/// Returns the ratio to sigma of the power of an infinite edge, integrated over the whole plane of q.
 double whole_straight_power() {
   static const double power = std::sqrt(kStraightRemoval / pi) * (2 - std::numbers::sqrt2);
   return power;
