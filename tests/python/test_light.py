@@ -144,8 +144,10 @@ def test_illumination(folder):
       <emitter type="point"><string name="amount" value="10 klm"/></emitter></scene>""")
     found = aureole.illumination(folder / "cube.xml", runs=4, progress=False)
     # By symmetry, the mean over one wall is that over all six.
-    assert found.local[0] == pytest.approx(104.1667, rel=5e-3) and found.repeated[0] == pytest.approx(104.1667, rel=1e-2)
-    assert found.repeated_error[0] < 0.01 * 104
+    # The receivers lie 1 mm before the wall, which is 0.06 %. Errors are below 0.3 %, and the means within three of them.
+    assert found.local_error[0] < 0.003 * 104 and found.repeated_error[0] < 0.003 * 104
+    assert found.local[0] == pytest.approx(104.1667, abs=3 * found.local_error[0] + 0.1)
+    assert found.repeated[0] == pytest.approx(104.1667, abs=3 * found.repeated_error[0] + 0.1)
     assert found.share.mean() == pytest.approx(0.5, abs=0.02)
     printed = program(folder, "illumination", "cube.xml", "--runs", 4)
     assert f"{found.local[0]:.6g}" in printed and f"{found.total[0]:.6g}" in printed

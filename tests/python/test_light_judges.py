@@ -99,7 +99,7 @@ def test_eulumdat_of_all_symmetries(tmp_path, symmetry):
 
 
 def lux(file, points, opening, spp):
-    """Illuminances [lx] of horizontal receivers that face up, of a luminaire at the origin that shines down."""
+    """Illuminances [lx] of horizontal receivers that face up, of a luminaire at the origin that hangs face down."""
     choice = '<string name="opening" value="point"/>' if opening == "point" else ""
     out = []
     for x, y, z in points:

@@ -30,7 +30,7 @@ EXACT = "-dj 0 -ds 0.02 -dt 0 -dc 1".split()
 
 
 def illuminances(ies, folder):
-    """Of all points, in lx."""
+    """Illuminances [lx] at all points."""
     def run(words, **more):
         return subprocess.run(words, cwd=folder, check=True, capture_output=True, **more).stdout
 
