@@ -90,7 +90,7 @@ public:
   }
   /// Returns the distance from an edge at which `most_of_direct` is 1.
   static float within_reach(const Beams& beams) {
-    constexpr float kAtOnce = 4;  // edges that diffract light to one point so near to its straight segment
+    constexpr float kAtOnce = 4;  // assumed number of edges near one segment
     return kAtOnce / std::numbers::pi_v<float> * beams.widest / beams.angle;
   }
   /// Returns 1/`least` if an edge is within that distance of a point, else about 1 over the distance of the

@@ -48,7 +48,7 @@ struct Chain {
     bool begins_at_b;
   };
   std::vector<Link> edges;
-  std::vector<Vec3> vertices;  ///< one more than edges
+  std::vector<Vec3> vertices;  ///< one vertex more than edges
 
   void append(const std::vector<MeshEdge>& all, std::uint32_t edge, bool enters_at_b) {
     if (vertices.empty()) vertices.push_back(end_of(all[edge], enters_at_b));
