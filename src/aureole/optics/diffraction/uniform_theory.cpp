@@ -82,9 +82,10 @@ std::complex<double> Wedge::over_half_plane(double k_distance, double phi, doubl
   if (std::abs(off) < kNearest) phi = phi_i + to_shadow + std::copysign(kNearest, off);
   const double difference = phi - phi_i, sum = phi + phi_i;
   if (std::abs(difference) < pi) {
-    // Returns the reflection coefficient of a face, weighted by its transition function over that at the
-    // boundary of the shadow, where the reflected term counts in full. The latter is the geometric mean of
-    // its values for this source and for a source at the observer's angle, so that both may be exchanged.
+    // Returns the reflection coefficient of a face, weighted by the square of its transition function over
+    // that at the boundary of the shadow, where the reflected term counts in full. The latter is the
+    // geometric mean of its values for this source and for a source at the observer's angle, so that both
+    // may be exchanged.
     const auto fade = [&](Complex face, double boundary, double from_boundary) {
       if (face == 0.0 || from_boundary <= 0) return Complex(0);
       const auto transition = [&](double to_angle) {
