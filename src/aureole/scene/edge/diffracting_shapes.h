@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `DiffractingShapes`: the shapes of a scene whose edges diffract, as triangles in the world.
+// `DiffractingShapes`: the shapes of a scene whose edges diffract, as triangles in the world: meshes, and round
+// shapes by polygons around their rims and outlines. Left out are null surfaces, round shapes that emit or are
+// seen from within, and, if BSDFs request diffraction (`freespacediffraction`), the shapes of all other BSDFs.
 #pragma once
 
 #include <string>
