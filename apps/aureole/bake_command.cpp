@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
@@ -16,10 +17,13 @@
 namespace aureole {
 namespace {
 
+/// The value of a whole number that the command line does not have.
+constexpr int kNotGiven = std::numeric_limits<int>::min();
+
 struct BakeArguments {
   std::string scene, output, to = "splats", density = "area", integrator;
   std::vector<std::string> defines;
-  int count = 0, resolution = 0, degree = 0, paths = 64;
+  int count = kNotGiven, resolution = kNotGiven, degree = 0, paths = 64;
   double exposure = 1;
   std::int64_t seed = 0;
 };
@@ -44,11 +48,11 @@ int bake(const BakeArguments& a) {
   const bool is_grid = a.to == "grid", is_points = a.to == "pointcloud";
   require("--degree", a.degree, 0, 3), require("--paths", a.paths, 1, 1e6);
   require("--exposure", a.exposure, 1e-9, 1e9), require("--seed", double(a.seed), 0, 1e18);
-  if (a.count != 0) require("--count", a.count, 1, 1e8);
-  if (a.resolution != 0) require("--resolution", a.resolution, 2, 1024);
-  if (is_grid && a.count != 0)
+  if (a.count != kNotGiven) require("--count", a.count, 1, 1e8);
+  if (a.resolution != kNotGiven) require("--resolution", a.resolution, 2, 1024);
+  if (is_grid && a.count != kNotGiven)
     throw Error("--count: a grid has as many voxels as the surfaces fill; state --resolution");
-  if (!is_grid && a.resolution != 0) throw Error("--resolution is for --to grid; state --count");
+  if (!is_grid && a.resolution != kNotGiven) throw Error("--resolution is for --to grid; state --count");
   if (a.density != "area" && a.density != "camera")
     throw Error("--density " + a.density + ": expected \"area\" or \"camera\"" +
                 did_you_mean(a.density, {"area", "camera"}));
@@ -69,7 +73,7 @@ int bake(const BakeArguments& a) {
   for (const std::string& note : scene.notes) tell("note: {}\n", note);
   if (is_grid) {
     RadianceBakeOptions options;
-    if (a.resolution != 0) options.resolution = a.resolution;
+    if (a.resolution != kNotGiven) options.resolution = a.resolution;
     options.degree = a.degree, options.paths = a.paths;
     options.exposure = float(a.exposure), options.seed = std::uint64_t(a.seed);
     const RadianceBake baked = bake_radiance_grid(scene, options);
@@ -83,7 +87,7 @@ int bake(const BakeArguments& a) {
   SplatBakeOptions options;
   options.as_points = is_points;
   options.density = a.density == "camera" ? SurfaceLight::Density::camera : SurfaceLight::Density::area;
-  if (a.count != 0) options.count = std::size_t(a.count);
+  if (a.count != kNotGiven) options.count = std::size_t(a.count);
   options.degree = a.degree, options.paths = a.paths;
   options.exposure = float(a.exposure), options.seed = std::uint64_t(a.seed);
   const SplatBake baked = bake_splats(scene, options);

@@ -175,8 +175,10 @@ TEST(Splat, NumbersThatAreWrong) {
       c.notes[1],
       "has 1 splats whose rotation is the quaternion 0, which is none, the first of them number 2: they are left out");
   for (auto& s : splats) s.position[0] = NAN;
-  EXPECT_EQ(message_of(folder.write("all.ply", make_ply(splats))),
-            "has no splat whose numbers are finite and make a colour and a rotation");
+  EXPECT_EQ(
+      message_of(folder.write("all.ply", make_ply(splats))),
+      "has no splat that can be drawn: it has 6 of 6 splats with a number that is not finite, the first of them number 0: "
+      "they are left out");
 
   std::string bytes = read_bytes(judged_folder() / "sh0.splat");
   const float negative = -0.5f;
@@ -208,8 +210,36 @@ TEST(Splat, CoefficientsThatMakeNoColour) {
       std::vector<std::string>{
           "has 2 splats with a coefficient of their colour beyond 1e+06, the first of them number 1: they "
           "are left out"});
-  EXPECT_EQ(message_of(folder.write("none.ply", make_ply({splats[1]}))),
-            "has no splat whose numbers are finite and make a colour and a rotation");
+  EXPECT_EQ(
+      message_of(folder.write("none.ply", make_ply({splats[1]}))),
+      "has no splat that can be drawn: it has 1 splats with a coefficient of their colour beyond 1e+06, the first of them "
+      "number 0: they are left out");
+}
+
+TEST(Splat, FilesWithMoreThanTheirHeaderStates) {
+  const SplatFolder folder;
+  const auto notes_on = [&](const std::string& bytes) {
+    return read_splat_file(folder.write("more.ply", bytes)).notes;
+  };
+  const std::vector<PlainSplat> splats(5);
+  for (const PlyKind kind : {PlyKind::little, PlyKind::big, PlyKind::ascii}) {
+    const std::string whole = make_ply(splats, kind);
+    EXPECT_TRUE(notes_on(whole).empty());
+    std::string fewer = whole;
+    fewer.replace(fewer.find("vertex 5"), 8, "vertex 3");
+    const auto notes = notes_on(fewer);
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_EQ(notes[0],
+              kind == PlyKind::ascii
+                  ? "has lines behind the 3 vertices that its header states, which have no effect"
+                  : "has 112 bytes behind the 3 vertices that its header states, which have no effect");
+  }
+  std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz"};
+  const auto points =
+      notes_on(make_ply(names, {{0, 0, 0, 0, 0, 1}, {1, 0, 0, 0, 0, 0}, {2, 0, 0, NAN, 0, 1}}));
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_NE(points[1].find("has 2 of 3 points with a normal that is not finite or has no length"),
+            std::string::npos);
 }
 
 /// Files that this program writes are those of the judged folder, of which splats.txt has the numbers that gsply and gaussforge read.

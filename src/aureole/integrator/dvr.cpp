@@ -95,8 +95,8 @@ public:
     const DvrSettings settings = settings_in(scene, media);
     VolumeResult results[kBatch];
     Ray rays[kBatch];
-    float ends[kBatch];
-    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
+    FirstSurface ends[kBatch];
+    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray;
     bool follows_all = behind().leaves() != Leaves::pixel;
     for (std::size_t i = 0; i < paths.size(); ++i) follows_all |= log.follows(int(i));
     const bool is_alone = !follows_all && behind().shows_light() && has_volumes_alone(scene);
@@ -105,13 +105,11 @@ public:
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       // Vertices of a walk are numbered from 0, so that no walk uses the random numbers of vertex -1.
-      VolumeMarch march(scene, media, settings, path, ends[i], d65_,
+      VolumeMarch march(scene, media, settings, path, ends[i].distance, d65_,
                         key(path.samples, -1, Stream::volume_march));
       results[i] = march.follow();
       // The nested integrator begins behind the media, or at the ray's origin where there are none.
-      const float shift = std::min(march.end(), ends[i]);
-      path.ray.o = path.ray.o + path.ray.d * shift;
-      path.ray.t_max -= shift;
+      ends[i].move_beginning(path.ray, march.end());
     }
     // Paths behind an opaque volume are not followed, unless they leave splats or are replayed.
     const auto follows = [&](std::size_t i) {

@@ -84,26 +84,25 @@ public:
              const BatchLog& log) const override {
     const RadianceMedium& grid = *find_radiance_medium(scene);
     Ray rays[kBatch];
-    float ends[kBatch];
+    FirstSurface ends[kBatch];
     RadianceResult results[kBatch];
-    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
+    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray;
     if (!settings_.background)
       find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
     for (std::size_t i = 0; i < paths.size(); ++i) {
       Path& path = paths[i];
       Ray ray = rays[i];
-      ray.t_max = std::min(ray.t_max, ends[i]);
+      ray.t_max = std::min(ray.t_max, ends[i].distance);
       // Vertices of a walk are numbered from 0: the numbers of vertex -1 are used by none.
       results[i] = march_radiance(grid, settings_, ray, key(path.samples, -1, Stream::volume_march));
       if (settings_.background) continue;
       // The nested integrator begins at the first surface, or behind the grid.
-      float shift = 0;
-      if (ends[i] < kInfinity)
-        shift = ends[i];
+      float from = 0;
+      if (ends[i].distance < kInfinity)
+        from = ends[i].distance;
       else if (const auto crossing = grid.field().cross_box(rays[i]))
-        shift = 1.0001f * (*crossing)[1];
-      path.ray.o = path.ray.o + path.ray.d * shift;
-      path.ray.t_max -= shift;
+        from = 1.0001f * (*crossing)[1];
+      ends[i].move_beginning(path.ray, from);
     }
     if (!settings_.background) behind().trace(scene, paths, splats, log);
     const bool is_encoded = grid.is_encoded() && !settings_.blends_linear;

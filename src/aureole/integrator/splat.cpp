@@ -82,7 +82,9 @@ public:
            fmt::format("{} splats have a projection without area, which is not seen without dilation",
                        splats->without_area()));
     if (splats->footprints().empty())
-      note("", "none of the splats is seen: all lie beside the picture, before \"near\" or beyond far_clip");
+      note(
+          "",
+          "none of the splats is seen: all are transparent, lie beside the picture, before \"near\" or beyond far_clip");
     return notes;
   }
   std::vector<std::string> aov_names() const override {
@@ -100,8 +102,8 @@ public:
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
     Ray rays[kBatch];
-    float ends[kBatch];
-    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray, ends[i] = kInfinity;
+    FirstSurface ends[kBatch];
+    for (std::size_t i = 0; i < paths.size(); ++i) rays[i] = paths[i].ray;
     if (!settings_.background)
       find_first_surfaces(scene, {rays, paths.size()}, RayTracer::Rays::coherent, ends);
 
@@ -112,7 +114,7 @@ public:
       const auto splats_of_rays = along_rays(scene);
       for (std::size_t i = 0; i < paths.size(); ++i) {
         Ray ray = rays[i];
-        ray.t_max = std::min(ray.t_max, ends[i]);
+        ray.t_max = std::min(ray.t_max, ends[i].distance);
         splats_of_rays->blend(settings_, ray, samples[i]);
         sample_of[i] = int(i);
       }
@@ -127,9 +129,9 @@ public:
       // The nested integrator begins at the first surface, or behind all media.
       for (std::size_t i = 0; i < paths.size(); ++i) {
         Path& path = paths[i];
-        const float shift = ends[i] < kInfinity ? ends[i] : 1.0001f * exit_of(scene.bounds(), path.ray);
-        path.ray.o = path.ray.o + path.ray.d * shift;
-        path.ray.t_max -= shift;
+        ends[i].move_beginning(path.ray, ends[i].distance < kInfinity
+                                             ? ends[i].distance
+                                             : 1.0001f * exit_of(scene.bounds(), path.ray));
       }
       behind().trace(scene, paths, splats, log);
     }
@@ -178,7 +180,7 @@ private:
 
   /// Blends projected splats. Samples at one position, as those of a pixel's centre, are blended once.
   void blend_projected(const Scene& scene, const ProjectedSplats& projection, const Ray rays[],
-                       const float ends[], std::span<const Path> paths, SplatSample samples[],
+                       const FirstSurface ends[], std::span<const Path> paths, SplatSample samples[],
                        int sample_of[]) const {
     const Vec3 eye = scene.sensor().pinhole()->to_camera.inverse().point({0, 0, 0});
     static_assert(kBatch <= kSplatLanes);
@@ -187,7 +189,7 @@ private:
       SplatSample s;
       s.film = paths[i].film;
       if (settings_.at_pixel_center) s.film = {std::floor(s.film.x) + 0.5f, std::floor(s.film.y) + 0.5f};
-      if (ends[i] < kInfinity) s.limit = length(rays[i].o - eye) + ends[i];
+      if (ends[i].distance < kInfinity) s.limit = length(rays[i].o - eye) + ends[i].distance;
       int k = 0;
       while (k < count &&
              !(samples[k].film.x == s.film.x && samples[k].film.y == s.film.y && samples[k].limit == s.limit))

@@ -60,7 +60,9 @@ ErrorProbe::ErrorProbe(const Scene& scene, std::span<const ClassifiedMedium* con
                    : sensor.sample_ray(path.film, lens, time).ray;
     path.ray.time = time;
     if (!hits(path.ray, path.ray.t_max)) continue;
-    find_first_surfaces(scene, {&path.ray, 1}, RayTracer::Rays::incoherent, &ray.length);
+    FirstSurface surface;
+    find_first_surfaces(scene, {&path.ray, 1}, RayTracer::Rays::incoherent, &surface);
+    ray.length = surface.distance;
     if (hits(path.ray, std::min(ray.length, path.ray.t_max))) rays_.push_back(ray);
   }
 }

@@ -8,7 +8,7 @@
 namespace aureole {
 
 void find_first_surfaces(const Scene& scene, std::span<const Ray> rays, RayTracer::Rays kind,
-                         float distances[]) {
+                         FirstSurface found[]) {
   constexpr int kMaxCrossings = 1000;
   const auto stops = [](const Surface& surface) {
     return surface.light || has(surface.lobes, Lobe::reflect | Lobe::transmit);
@@ -17,7 +17,7 @@ void find_first_surfaces(const Scene& scene, std::span<const Ray> rays, RayTrace
   Ray next[kBatch];
   int crossings[kBatch];
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    next[i] = rays[i], crossings[i] = 0, distances[i] = kInfinity;
+    next[i] = rays[i], crossings[i] = 0, found[i] = {};
     left.add(int(i), next[i]);
   }
   while (!left.empty())
@@ -27,9 +27,8 @@ void find_first_surfaces(const Scene& scene, std::span<const Ray> rays, RayTrace
       const SurfacePoint point = scene.surface_point(hit, next[i]);
       const float distance = dot(point.p - ray.o, ray.d);
       if (stops(*point.surface)) {
-        // The position is offset from the surface by its rounding error bound, towards the ray's origin.
         const Vec3 before = offset_origin(point.p, point.p_error, point.ng, -ray.d);
-        distances[i] = std::max(0.f, std::min(distance, dot(before - ray.o, ray.d)));
+        found[i] = {std::max(0.f, std::min(distance, dot(before - ray.o, ray.d))), before};
         return;
       }
       next[i] = RayOrigin::of(point).spawn(ray.d);

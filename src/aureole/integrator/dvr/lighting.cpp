@@ -17,9 +17,9 @@ constexpr std::size_t kMaxSampled = 8;
 /// far away. The surface of the light itself, at the end, does not count.
 bool is_occluded(const Scene& scene, const Vec3& p, const Vec3& d, float distance) {
   const Ray ray{p, d, distance * (1 - 1e-4f)};
-  float found;
+  FirstSurface found;
   find_first_surfaces(scene, {&ray, 1}, RayTracer::Rays::incoherent, &found);
-  return found < kInfinity;
+  return found.distance < kInfinity;
 }
 
 }  // namespace

@@ -68,7 +68,9 @@ public:
 
   const std::vector<std::int64_t>& sizes() const { return header_.sizes; }
   std::uint64_t count() const { return count_; }
-  std::string shape() const { return fmt::format("{}", fmt::join(header_.sizes, " x ")); }
+  std::string shape() const {
+    return header_.sizes.empty() ? "one" : fmt::format("{}", fmt::join(header_.sizes, " x "));
+  }
   Error fault(const std::string& what) const {
     return Error(fmt::format("has an array \"{}\" of {} {}", name_, shape(), what));
   }
@@ -131,7 +133,7 @@ RadianceVoxels read_archive(const SharedBytes& bytes) {
     constexpr double kHarmonics = 1;
     if (type.count() != 1 || type.numbers()[0] != kHarmonics)
       throw type.fault(
-          "that is not 1: colours by spherical harmonics are read, those of learned functions are not");
+          "number that is not 1: colours by spherical harmonics are read, those of learned functions are not");
   }
   if (archive.find("background_data.npy"))
     g.notes.push_back("has a background of spheres around its grid, which is left out");

@@ -118,7 +118,7 @@ void finish_cloud(SplatCloud& c, const SplatFileOptions& options) {
     return std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
   };
   if (const std::size_t n = keep_splats(
-          c, [&](std::size_t i) { return norm(i) > 1e-12f && std::isfinite(norm(i)); }, first))
+          c, [&](std::size_t i) { return norm(i) > 1e-30f && std::isfinite(norm(i)); }, first))
     c.notes.push_back(fmt::format(
         "has {} splats whose rotation is the quaternion 0, which is none, the first of them number {}: "
         "they are left out",
@@ -132,7 +132,7 @@ void finish_cloud(SplatCloud& c, const SplatFileOptions& options) {
       throw Error(
           fmt::format("has the opacity {:g} of splat {}; an opacity lies in [0, 1]", c.opacities[i], i));
   if (c.size() == 0 && all > 0)
-    throw Error("has no splat whose numbers are finite and make a colour and a rotation");
+    throw Error(fmt::format("has no splat that can be drawn: it {}", fmt::join(c.notes, "; it ")));
   for_ranges(c.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const float scale = 1 / norm(i);

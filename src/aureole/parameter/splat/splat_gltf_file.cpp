@@ -104,6 +104,11 @@ public:
     if (size == 0)
       throw Error(fmt::format("has the component type {} for {}, which glTF does not have", component, name));
     const bool normalized = member(accessor, "normalized") == true;
+    // KHR_gaussian_splatting allows floats and normalised whole numbers; plain whole numbers of 8 and 16 bits are those of
+    // KHR_mesh_quantization.
+    if (component == 5125)
+      throw Error(fmt::format(
+          "has unsigned whole numbers of 32 bits for {}, which the extension does not allow", name));
     if (count > kMaxSplats) throw Error(fmt::format("claims {} splats; {} are possible", count, kMaxSplats));
     const json& view = element(document_, "bufferViews", natural(accessor, "bufferView", ~0ull));
     const SharedBytes& buffer = buffer_of(natural(view, "buffer", ~0ull));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <set>
 
@@ -142,6 +143,7 @@ public:
         source.end_record();
         use(i, numbers.data());
       }
+      has_more_lines_ = !source.finished();
       return;
     }
     if (header_.format == ply::Format::little_endian)
@@ -158,6 +160,14 @@ public:
     return names;
   }
   void ignore(const std::string& name) { used_.insert(name); }
+  /// The bytes that are left behind the vertices of a binary file, or whether there are such lines in one of text, where no other
+  /// elements follow.
+  std::string rest() const {
+    if (element_ != &header_.elements.back()) return "";
+    if (header_.format == ply::Format::ascii) return has_more_lines_ ? "lines" : "";
+    const auto left = std::size_t(text_.end() - body_) - stride_ * count();
+    return left > 0 ? fmt::format("{} bytes", left) : "";
+  }
 
 private:
   template <bool kSwap, class Use>
@@ -177,6 +187,7 @@ private:
   const ply::Element* element_ = nullptr;
   const char* body_ = nullptr;
   std::size_t stride_ = 0;
+  mutable bool has_more_lines_ = false;  ///< behind the vertices of a file of text that was read
   std::map<std::string, KeptProperty> columns_;
   std::vector<KeptProperty> kept_;
   std::set<std::string> used_;
@@ -285,17 +296,32 @@ SplatCloud read_points(VertexTable& table, const SplatFileOptions& options) {
   const std::string unused = table.unused();
   if (!unused.empty()) c.notes.push_back("has properties of its points that have no effect: " + unused);
   c.resize(table.count(), 0);
+  std::atomic<std::size_t> without_normal{0};
   table.read([&](std::size_t i, const float* v) {
     c.positions[i] = {v[0], v[1], v[2]};
     const float r = (radius.empty() ? options.radius : v[radii]) * options.radius_scale;
     c.scales[i] = {r, r, c.has_normals ? 0.f : r};
     c.rotations[i] = {1, 0, 0, 0};
-    if (c.has_normals) c.rotations[i] = rotation_to({v[normals], v[normals + 1], v[normals + 2]});
+    if (c.has_normals) {
+      const Vec3 normal{v[normals], v[normals + 1], v[normals + 2]};
+      without_normal += !(length(normal) > 0 && std::isfinite(length(normal)));
+      c.rotations[i] = rotation_to(normal);
+    }
     c.opacities[i] = 1;
     for (std::size_t k = 0; k < 3; ++k)
       c.harmonics[3 * i + k] = ((colors.empty() ? 1.f : v[color + k] * color_scale) - 0.5f) / kHarmonic0;
   });
+  if (without_normal > 0)
+    c.notes.push_back(fmt::format(
+        "has {} of {} points with a normal that is not finite or has no length: their discs lie across the z axis of the file",
+        without_normal.load(), c.size()));
   return c;
+}
+
+void note_rest(const VertexTable& table, SplatCloud& c) {
+  if (const std::string rest = table.rest(); !rest.empty())
+    c.notes.push_back(fmt::format(
+        "has {} behind the {} vertices that its header states, which have no effect", rest, table.count()));
 }
 
 }  // namespace
@@ -311,9 +337,12 @@ SplatCloud read_ply(const Path&, const SharedBytes& bytes, const SplatFileOption
     for (const char* name : {"scale_0", "rot_0", "f_rest_0"})
       if (table.has(name))
         throw Error(std::string("has the property ") + name + ", but no f_dc_0, f_dc_1 and f_dc_2");
-    return read_points(table, options);
+    SplatCloud points = read_points(table, options);
+    note_rest(table, points);
+    return points;
   }
   SplatCloud c = read_gaussians(table);
+  note_rest(table, c);
   const std::string unused = table.unused();
   if (!unused.empty()) c.notes.push_back("has properties of its splats that have no effect: " + unused);
   if (options.radius > 0)

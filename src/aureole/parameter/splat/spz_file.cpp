@@ -189,7 +189,7 @@ std::array<SharedBytes, 6> split_gzip(const SharedBytes& all, const SpzHeader& h
   if (h.flags & kSpzExtensions)
     read_spz_extensions(all.bytes.subspan(at), c);
   else if (at != all.size())
-    c.notes.push_back(fmt::format("has {} bytes behind its splats, which have no effect", all.size() - at));
+    c.notes.push_back("has bytes behind its splats, which have no effect");
   return parts;
 }
 
