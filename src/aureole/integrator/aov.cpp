@@ -32,10 +32,9 @@ constexpr KindName kKinds[] = {
     {"prim_index", Kind::prim_index, "I", "number of the primitive in its shape, from 0"},
     {"shape_index", Kind::shape_index, "I", "number of the shape in the scene, from 1; 0: none"}};
 
-class AovIntegrator final : public Integrator {
+class AovIntegrator final : public NestingIntegrator {
 public:
-  explicit AovIntegrator(const Properties& p)
-      : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
+  explicit AovIntegrator(const Properties& p) : NestingIntegrator(p) {
     own_colors_ = p.get_bool("colors", true) ? nested_.size() : 0;
     append_channels(nested_, own_colors_, names_, meanings_);
     specular_depth_ = int(p.get_int("specular_depth", 0, {0, 64}));
@@ -49,20 +48,6 @@ public:
     if (names_.empty()) throw p.error("aovs", "names no channel, and no integrator is nested");
     require_distinct(p, "aovs", names_);
   }
-
-  SceneNeeds needs() const override { return nested_needs(nested_); }
-  void require_scene(const Scene& scene) const override {
-    for (const NestedIntegrator& n : nested_) n.integrator->require_scene(scene);
-  }
-  std::vector<std::string> scene_notes(const Scene& scene) const override {
-    return nested_notes(nested_, scene);
-  }
-  std::vector<ApproximationError> approximation_errors(const Scene& scene, double samples,
-                                                       int threads) const override {
-    return nested_errors(nested_, scene, samples, threads);
-  }
-  std::vector<std::string> aov_names() const override { return names_; }
-  std::vector<std::string> aov_meanings() const override { return meanings_; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
@@ -208,11 +193,8 @@ private:
     return out;
   }
 
-  std::vector<NestedIntegrator> nested_;
-  std::size_t own_colors_ = 0;  ///< how many of them have channels for their colours
-  ColourMeter meter_;
+  std::size_t own_colors_ = 0;  ///< how many nested integrators have channels for their colours
   std::vector<Kind> kinds_;
-  std::vector<std::string> names_, meanings_;
   bool needs_derivatives_ = false;
   int specular_depth_ = 0;
 };

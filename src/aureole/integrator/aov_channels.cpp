@@ -62,22 +62,6 @@ SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested) {
   return all;
 }
 
-std::vector<std::string> nested_notes(const std::vector<NestedIntegrator>& nested, const Scene& scene) {
-  std::vector<std::string> all;
-  for (const NestedIntegrator& n : nested)
-    for (std::string& note : n.integrator->scene_notes(scene)) all.push_back(std::move(note));
-  return all;
-}
-
-std::vector<ApproximationError> nested_errors(const std::vector<NestedIntegrator>& nested, const Scene& scene,
-                                              double samples, int threads) {
-  std::vector<ApproximationError> all;
-  for (const NestedIntegrator& n : nested)
-    for (ApproximationError& error : n.integrator->approximation_errors(scene, samples, threads))
-      all.push_back(std::move(error));
-  return all;
-}
-
 void require_distinct(const Properties& p, std::string_view parameter,
                       const std::vector<std::string>& channels) {
   std::set<std::string> seen;
@@ -117,6 +101,29 @@ void ColourMeter::reflectance_rgb(const Spectrum& reflectance, const Wavelengths
   const Spectrum rest = reflectance - control;
   rgb(single_estimate(visible_ ? rest * d65_.eval(w) : rest, w), w, out);
   for (int c = 0; c < 3; ++c) out[c] += control;
+}
+
+NestingIntegrator::NestingIntegrator(const Properties& p)
+    : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {}
+
+void NestingIntegrator::require_scene(const Scene& scene) const {
+  for (const NestedIntegrator& n : nested_) n.integrator->require_scene(scene);
+}
+
+std::vector<std::string> NestingIntegrator::scene_notes(const Scene& scene) const {
+  std::vector<std::string> all;
+  for (const NestedIntegrator& n : nested_)
+    for (std::string& note : n.integrator->scene_notes(scene)) all.push_back(std::move(note));
+  return all;
+}
+
+std::vector<ApproximationError> NestingIntegrator::approximation_errors(const Scene& scene, double samples,
+                                                                        int threads) const {
+  std::vector<ApproximationError> all;
+  for (const NestedIntegrator& n : nested_)
+    for (ApproximationError& error : n.integrator->approximation_errors(scene, samples, threads))
+      all.push_back(std::move(error));
+  return all;
 }
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by integrators with AOVs: nested integrators, and colours of estimates.
+// Shared by integrators with AOVs: nested integrators, the base class of those that only nest others, and colours of estimates.
 #pragma once
 
 #include <array>
@@ -35,13 +35,6 @@ void append_channels(const std::vector<NestedIntegrator>& nested, std::size_t co
 /// manner than the others, since all follow light in one scene.
 SceneNeeds nested_needs(const std::vector<NestedIntegrator>& nested);
 
-/// Returns `Integrator::scene_notes` of all nested integrators.
-std::vector<std::string> nested_notes(const std::vector<NestedIntegrator>& nested, const Scene& scene);
-
-/// Returns `Integrator::approximation_errors` of all nested integrators.
-std::vector<ApproximationError> nested_errors(const std::vector<NestedIntegrator>& nested, const Scene& scene,
-                                              double samples, int threads);
-
 /// Throws a located Error where two of the channels have one name.
 void require_distinct(const Properties& properties, std::string_view parameter,
                       const std::vector<std::string>& channels);
@@ -68,6 +61,26 @@ private:
   std::array<SampledSpectrum, 3> observer_;
   SampledSpectrum d65_;
   Wavelengths fixed_;
+};
+
+/// An integrator whose picture and channels are made of those of the integrators that are nested in it: it needs all that they need, and says
+/// all that they say about a scene.
+class NestingIntegrator : public Integrator {
+public:
+  explicit NestingIntegrator(const Properties& properties);
+
+  SceneNeeds needs() const override { return nested_needs(nested_); }
+  void require_scene(const Scene& scene) const override;
+  std::vector<std::string> scene_notes(const Scene& scene) const override;
+  std::vector<ApproximationError> approximation_errors(const Scene& scene, double samples,
+                                                       int threads) const override;
+  std::vector<std::string> aov_names() const override { return names_; }
+  std::vector<std::string> aov_meanings() const override { return meanings_; }
+
+protected:
+  std::vector<NestedIntegrator> nested_;
+  ColourMeter meter_;
+  std::vector<std::string> names_, meanings_;  ///< of the channels, which the derived class fills
 };
 
 }  // namespace aureole

@@ -9,10 +9,9 @@
 namespace aureole {
 namespace {
 
-class MomentIntegrator final : public Integrator {
+class MomentIntegrator final : public NestingIntegrator {
 public:
-  explicit MomentIntegrator(const Properties& p)
-      : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
+  explicit MomentIntegrator(const Properties& p) : NestingIntegrator(p) {
     if (nested_.empty()) throw p.error("integrator", "needs a nested integrator");
     for (const NestedIntegrator& n : nested_) {
       for (size_t i = 0; i < n.channels.size(); ++i) {
@@ -31,20 +30,6 @@ public:
     }
     require_distinct(p, "integrator", names_);
   }
-
-  SceneNeeds needs() const override { return nested_needs(nested_); }
-  void require_scene(const Scene& scene) const override {
-    for (const NestedIntegrator& n : nested_) n.integrator->require_scene(scene);
-  }
-  std::vector<std::string> scene_notes(const Scene& scene) const override {
-    return nested_notes(nested_, scene);
-  }
-  std::vector<ApproximationError> approximation_errors(const Scene& scene, double samples,
-                                                       int threads) const override {
-    return nested_errors(nested_, scene, samples, threads);
-  }
-  std::vector<std::string> aov_names() const override { return names_; }
-  std::vector<std::string> aov_meanings() const override { return meanings_; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
@@ -74,10 +59,7 @@ private:
     for (size_t i = 0; i < first_moments_; ++i) aovs[first_moments_ + i] = aovs[i] * aovs[i];
   }
 
-  std::vector<NestedIntegrator> nested_;
-  ColourMeter meter_;
-  std::vector<std::string> names_, meanings_;
-  size_t first_moments_;
+  size_t first_moments_ = 0;
 };
 
 AUREOLE_PLUGIN(
@@ -87,10 +69,8 @@ AUREOLE_PLUGIN(
         "N.Z (CIE XYZ of its samples; the mean over the range for sensors outside the visible) with its own "
         "further channels, and m2_N.X, ..., the means of their squares. With a box filter and the sampler "
         "`independent`, m2 - mean^2 over the number of samples is the variance of a pixel; mean and square "
-        "are "
-        "filtered alike. Without a name N is _arg_0, _arg_1, ... Use `component_format` float32: a "
-        "difference "
-        "of half floats is rounding.",
+        "are filtered alike. Without a name N is _arg_0, _arg_1, ... Use `component_format` float32: a "
+        "difference of half floats is rounding.",
         "",
         {{"integrator", "integrator", "", "required", "one or more nested integrators"}},
         {R"(<integrator type="moment"><integrator type="path" name="img"/></integrator>)"}});
