@@ -180,7 +180,8 @@ TEST_F(LaboratoryCli, PooledSpheresAndPredictedEdgeLoss) {
                  "--step", "50", "--json", "p.json"}),
             0)
       << said;
-  for (const double v : json("p.json")["values"]) EXPECT_NEAR(v, 0.3, 0.01);
+  const auto pooled = json("p.json");
+  for (const double v : pooled["values"]) EXPECT_NEAR(v, 0.3, 0.01);
   ASSERT_EQ(run({"spectrophotometer", "m.xml#slab", "--geometry", "45a:0", "--range", "550,550", "--paths",
                  "1024", "--json", "e.json"}),
             0)

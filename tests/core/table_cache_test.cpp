@@ -445,6 +445,8 @@ TEST_F(TableCaches, AProgramThatIsKilledWhileItWrites) {
     EXPECT_TRUE(own.take_notes().empty()) << "a table is whole or not there";
   }
   EXPECT_GT(with_leftovers, 0) << "the test has killed no program while it wrote";
+  // A program that was killed while it wrote the tag of the folder.
+  std::ofstream(folder.path / "tables" / "CACHEDIR.TAG.part-4000000-0") << "Signa";
   cache().keep(key_of(2), table_of(2, 10), 1);
   EXPECT_EQ(count_files(folder.path / "tables", ".part-"), 0u) << "the next writer removes unfinished files";
 }

@@ -74,6 +74,12 @@ bool is_entry_name(const std::string& name) {
                      [](unsigned char c) { return std::isxdigit(c) && !std::isupper(c); });
 }
 
+/// The file by which programs that make backups know a folder that they leave out (Cache Directory Tagging Specification, B. Ford).
+constexpr const char* kTagName = "CACHEDIR.TAG";
+
+/// Whether the cache writes files of that name.
+bool is_name_of_cache(const std::string& name) { return is_entry_name(name) || name == kTagName; }
+
 /// Reads the header of an entry, which leaves `input` at the table. Throws Error.
 EntryHeader read_header(InputFile& input, Preamble& preamble, std::vector<char>& header_bytes) {
   input.read(&preamble, sizeof preamble);
@@ -225,7 +231,7 @@ void TableCache::keep(const TableKey& key, const KeptTable& table, double second
   }
   try {
     make_folder();
-    remove_unfinished_files(folder_, is_entry_name);
+    remove_unfinished_files(folder_, is_name_of_cache);
     write_file_atomically(file_of(key), all);
     remove_beyond(most);
     const std::lock_guard guard(mutex_);
@@ -240,8 +246,7 @@ void TableCache::make_folder() const {
   fs::create_directories(folder_, code);
   if (code || !fs::is_directory(folder_, code))
     throw Error({folder_.string(), 0, 0}, "the folder cannot be made" + (code ? ": " + code.message() : ""));
-  // Programs that make backups leave out folders with this file (Cache Directory Tagging Specification, B. Ford).
-  const fs::path tag = folder_ / "CACHEDIR.TAG";
+  const fs::path tag = folder_ / kTagName;
   if (fs::exists(fs::symlink_status(tag, code))) return;
   const std::string text =
       "Signature: 8a477f597d28d172789f06886806bc55\n# Tables that aureole computes again where they are missing "
@@ -326,7 +331,7 @@ std::size_t TableCache::clear() {
     if (code) throw Error({entry.file.string(), 0, 0}, "cannot be removed: " + code.message());
     ++count;
   }
-  remove_unfinished_files(folder_, is_entry_name);
+  remove_unfinished_files(folder_, is_name_of_cache);
   return count;
 }
 
