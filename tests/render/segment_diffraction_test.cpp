@@ -615,16 +615,20 @@ Complex field_at_wedge(double n, double rho, double phi, double phi_i, bool is_h
   return 2 / n * sum;
 }
 
-// A block of metal whose right upper edge lies in the y axis, at 3 GHz: a transmitter 5 km away, 45 degrees above its top, and
-// receivers 10 m below the edge, beside the right face. Soft and hard waves against the exact series.
-TEST(SegmentDiffraction, WedgesOfMetalHaveTwoPolarisations) {
-  const double wavelength = 299792458 / 3e9, rho = 10, phi_i = M_PI / 4;
-  const auto power = [&](double degrees, const std::string& polarisation, bool has_block) {
-    const double phi = phi_i + M_PI + degrees * M_PI / 180;
-    const double far = 5000 / std::sqrt(2);
-    return render(
-               fmt::format(
-                   R"(<integrator type="path"><boolean name="diffraction" value="true"/><integer name="max_depth" value="1"/>
+/// A place about the y axis: its distance [m], and its angle from the upper face of a block whose right upper edge lies in that axis.
+struct PlaceAboutEdge {
+  double distance, angle;
+
+  double x() const { return -distance * std::cos(angle); }
+  double z() const { return distance * std::sin(angle); }
+};
+
+/// Returns the power at 3 GHz that a receiver takes from a transmitter, both beside a block with that BSDF; empty: without the block.
+double power_beside_block(const PlaceAboutEdge& from, const PlaceAboutEdge& to,
+                          const std::string& polarisation, const std::string& bsdf) {
+  return render(
+             fmt::format(
+                 R"(<integrator type="path"><boolean name="diffraction" value="true"/><integer name="max_depth" value="1"/>
     <string name="diffraction_model" value="segments"/><string name="diffraction_polarisation" value="{}"/></integrator>
   <sensor type="powermap"><transform name="to_world"><scale value="0.001"/><translate x="{}" z="{}"/></transform>
     <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/>
@@ -633,12 +637,22 @@ TEST(SegmentDiffraction, WedgesOfMetalHaveTwoPolarisations) {
     <sampler type="sobol"><integer name="sample_count" value="1"/></sampler></sensor>
   <emitter type="point"><point name="position" x="{}" y="0" z="{}"/><spectrum name="intensity" value="1"/></emitter>
   )",
-                   polarisation, -rho * std::cos(phi), rho * std::sin(phi), -far, far) +
-               (has_block
-                    ? R"(<shape type="cube"><transform name="to_world"><scale value="200"/><translate x="-200" z="-200"/></transform>
-    <bsdf type="conductor"><string name="material" value="none"/></bsdf></shape>)"
-                    : ""))
-        .mean[0];
+                 polarisation, to.x(), to.z(), from.x(), from.z()) +
+             (bsdf.empty()
+                  ? ""
+                  : R"(<shape type="cube"><transform name="to_world"><scale value="200"/><translate x="-200" z="-200"/></transform>)" +
+                        bsdf + "</shape>"))
+      .mean[0];
+}
+
+// A block of metal whose right upper edge lies in the y axis, at 3 GHz: a transmitter 5 km away, 45 degrees above its top, and
+// receivers 10 m below the edge, beside the right face. Soft and hard waves against the exact series.
+TEST(SegmentDiffraction, WedgesOfMetalHaveTwoPolarisations) {
+  const double wavelength = 299792458 / 3e9, rho = 10, phi_i = M_PI / 4;
+  const auto power = [&](double degrees, const std::string& polarisation, bool has_block) {
+    return power_beside_block(
+        {5000, phi_i}, {rho, phi_i + M_PI + degrees * M_PI / 180}, polarisation,
+        has_block ? R"(<bsdf type="conductor"><string name="material" value="none"/></bsdf>)" : "");
   };
   double worst = 0, soft_at_9 = 0, hard_at_9 = 0, soft_at_21 = 0, hard_at_21 = 0;
   for (const double degrees : {1.0, 9.0, 21.0, 35.0}) {
@@ -672,6 +686,63 @@ TEST(SegmentDiffraction, WedgesOfMetalHaveTwoPolarisations) {
   EXPECT_NEAR(hard_at_9, 1.69, 0.1);
   EXPECT_NEAR(soft_at_21, -3.96, 0.1);
   EXPECT_NEAR(hard_at_21, 3.68, 0.1);
+}
+
+// Blocks of concrete, of glass and of plastic: the factor of a wedge over a half plane that absorbs, by the cotangents of Keller's coefficient and
+// Fresnel's formulae with the permittivity of ITU-R P.2040-3 (Luebbers 1984), where both are far from the boundaries of shadow and reflection.
+TEST(SegmentDiffraction, WedgesOfMaterials) {
+  const double n = 1.5, phi_i = M_PI / 4;
+  struct Material {
+    const char* bsdf;
+    Complex permittivity;
+  };
+  const double sigma = 0.0462 * std::pow(3.0, 0.7822);
+  const Complex concrete(5.24, 17.98 * sigma / 3);
+  for (
+      const auto& [bsdf, permittivity] :
+      {Material{R"(<bsdf type="conductor"><string name="material" value="itu_concrete"/></bsdf>)", concrete},
+       {R"(<bsdf type="slab"><string name="int_ior" value="itu_concrete"/><string name="thickness" value="90m"/></bsdf>)",
+        concrete},
+       {R"(<bsdf type="dielectric"><float name="int_ior" value="1.6"/><float name="ext_ior" value="1"/></bsdf>)",
+        1.6 * 1.6},
+       {R"(<bsdf type="twosided"><bsdf type="plastic"><float name="int_ior" value="1.4"/><float name="ext_ior" value="1"/></bsdf></bsdf>)",
+        1.4 * 1.4}})
+    for (const double degrees : {25.0, 35.0, 42.0}) {
+      const double phi = phi_i + M_PI + degrees * M_PI / 180;
+      const double none = power_beside_block({5000, phi_i}, {10, phi}, "none", bsdf);
+      for (const bool is_hard : {false, true}) {
+        const double measured =
+            power_beside_block({5000, phi_i}, {10, phi}, is_hard ? "hard" : "soft", bsdf) / none;
+        if (kSanitized) continue;
+        const auto reflection = [&](double grazing) {
+          const double c = std::sin(grazing);
+          const Complex root = std::sqrt(permittivity - (1 - c * c));
+          return is_hard ? (permittivity * c - root) / (permittivity * c + root) : (c - root) / (c + root);
+        };
+        const auto cot = [](double x) { return 1 / std::tan(x); };
+        const double off = phi - phi_i, sum = phi + phi_i;
+        const Complex wedge = cot((M_PI + off) / (2 * n)) + cot((M_PI - off) / (2 * n)) +
+                              reflection(n * M_PI - phi) * cot((M_PI + sum) / (2 * n)) +
+                              reflection(phi_i) * cot((M_PI - sum) / (2 * n));
+        const double absorbing = cot((M_PI + off) / 4) + cot((M_PI - off) / 4);
+        const double expected = std::norm(wedge / n / (absorbing / 2));
+        std::printf("%.40s..., %g degrees, %s: %+.3f dB of the half plane, %+.3f expected\n", bsdf, degrees,
+                    is_hard ? "hard" : "soft", 10 * std::log10(measured), 10 * std::log10(expected));
+        EXPECT_NEAR(10 * std::log10(measured), 10 * std::log10(expected), 0.02);
+      }
+    }
+  // Transmitter and receiver may be exchanged: also where both are nearer to one face than Luebbers took them to be.
+  const char* mixed = R"(<bsdf type="conductor"><string name="material" value="itu_concrete"/></bsdf>)";
+  for (const auto& [a, b] : {std::pair(PlaceAboutEdge{20, 0.3}, PlaceAboutEdge{10, 4.2}),
+                             {PlaceAboutEdge{20, 1.4}, PlaceAboutEdge{7, 4.6}}})
+    for (const char* polarisation : {"soft", "hard"}) {
+      const auto over_free = [&](const PlaceAboutEdge& from, const PlaceAboutEdge& to) {
+        return power_beside_block(from, to, polarisation, mixed) /
+               power_beside_block(from, to, polarisation, "");
+      };
+      const double there = over_free(a, b), back = over_free(b, a);
+      if (!kSanitized) EXPECT_NEAR(there, back, 5e-3 * back) << polarisation;
+    }
 }
 
 // Narrow plates with slits: the outer edges of one plate do not act on the slit of the other. Blades on opposite sides: the

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A smooth metal: a delta lobe of specular reflection with the Fresnel reflectance of a complex index.
-#include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/fresnel/conductor_index.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
 
-class Conductor final : public Bsdf {
+class Conductor final : public Bsdf, public MirrorReflection {
 public:
   explicit Conductor(const Properties& properties)
       : Bsdf(properties),
@@ -22,6 +22,12 @@ public:
     BsdfSample s{reflect(wi), index_.reflectance(wi.z, ctx), 1.f, lobes()};
     if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
     return s;
+  }
+
+  Amplitudes reflection_amplitudes(float cos_i, const BsdfContext& ctx) const override {
+    Amplitudes reflected = index_.amplitudes(cos_i, ctx);
+    if (reflectance_) reflected.scale(reflectance_->eval(ctx.point, ctx.wavelengths));
+    return reflected;
   }
 
   bool needs_tangent() const override { return false; }

@@ -3,7 +3,7 @@
 // direction of the hero wavelength.
 #include <cmath>
 
-#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
@@ -11,7 +11,7 @@
 namespace aureole {
 namespace {
 
-class Dielectric final : public Bsdf {
+class Dielectric final : public Bsdf, public MirrorReflection {
 public:
   explicit Dielectric(const Properties& properties)
       : Bsdf(properties),
@@ -51,6 +51,15 @@ public:
     if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
     if (transmittance_) s.value *= transmittance_->eval(ctx.point, ctx.wavelengths);
     return s;
+  }
+
+  Amplitudes reflection_amplitudes(float cos_i, const BsdfContext& ctx) const override {
+    Spectrum etas(eta_);
+    if (dispersive_ || ctx.exterior_index)
+      etas = interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_);
+    Amplitudes reflected = dielectric_amplitudes(cos_i, etas);
+    if (reflectance_) reflected.scale(reflectance_->eval(ctx.point, ctx.wavelengths));
+    return reflected;
   }
 
   bool needs_tangent() const override { return false; }

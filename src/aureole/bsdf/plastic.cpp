@@ -5,7 +5,7 @@
 // with F_int the internal diffuse reflectance and rho' = rho if `nonlinear`, else 1.
 #include <cmath>
 
-#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/plugin/registry.h"
@@ -15,7 +15,7 @@
 namespace aureole {
 namespace {
 
-class Plastic final : public Bsdf {
+class Plastic final : public Bsdf, public MirrorReflection {
 public:
   explicit Plastic(const Properties& properties)
       : Bsdf(properties),
@@ -43,6 +43,14 @@ public:
     const Vec3 wo = square_to_cosine_hemisphere(u2);
     const BsdfEval e = diffuse_lobe(state, wo);
     return BsdfSample{wo, e.value, e.pdf, Lobe::diffuse | Lobe::reflect};
+  }
+
+  Amplitudes reflection_amplitudes(float cos_i, const BsdfContext& ctx) const override {
+    Amplitudes reflected = dielectric_amplitudes(
+        cos_i, dispersive_ ? interior_.eval(ctx.wavelengths) / exterior_.eval(ctx.wavelengths)
+                           : Spectrum(constant_.eta));
+    if (specular_) reflected.scale(specular_->eval(ctx.point, ctx.wavelengths));
+    return reflected;
   }
 
   bool needs_tangent() const override { return false; }

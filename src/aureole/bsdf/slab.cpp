@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/parameter/complex_index.h"
 #include "aureole/parameter/ior.h"
@@ -15,7 +15,7 @@
 namespace aureole {
 namespace {
 
-class Slab final : public Bsdf {
+class Slab final : public Bsdf, public MirrorReflection {
   static constexpr double kThickest_m = 1e6, kLargestIndex = 1e6;
 
 public:
@@ -63,6 +63,19 @@ public:
   Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
     const float cos_i = std::min(std::abs(wi.z), 1.f);
     return cos_i > 0 && passes_ ? powers(cos_i, ctx).transmitted : Spectrum(0.f);
+  }
+
+  Amplitudes reflection_amplitudes(float cos_i, const BsdfContext& ctx) const override {
+    const Spectrum eta = eta_.eval(ctx.wavelengths), k = k_.eval(ctx.wavelengths);
+    const Spectrum outside = ctx.eval_exterior(exterior_), nm = ctx.wavelengths.nm;
+    Amplitudes reflected;
+    for (int i = 0; i < kWavelengths; ++i) {
+      const optics::SlabAmplitudes at = optics::slab_amplitudes(
+          double(cos_i), double(outside[i]), {double(eta[i]), double(k[i])}, thickness_nm_ / double(nm[i]));
+      reflected.s[std::size_t(i)] = at.r_s, reflected.p[std::size_t(i)] = at.r_p;
+    }
+    if (reflectance_) reflected.scale(reflectance_->eval(ctx.point, ctx.wavelengths));
+    return reflected;
   }
 
   bool needs_tangent() const override { return false; }

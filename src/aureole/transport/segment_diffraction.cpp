@@ -268,11 +268,31 @@ private:
   void make_wedge(const EdgePart& part, Field& weight) const {
     EdgeWedge wedge;
     if (!edges_.find_wedge(part.passage, segment_, wedge)) return;
-    const double sign = is_hard_ ? 1 : -1;
-    const optics::WedgeFaces faces{wedge.reflects_o ? sign : 0.0, wedge.reflects_n ? sign : 0.0};
+    // Each face reflects as at the grazing angle of the end of the light that is nearer to it. For an observer farther from the o-face
+    // than the source that is the heuristic of Luebbers 1984; his form is not reciprocal, this one is.
+    const Field o =
+        reflection(wedge.reflection_o, wedge.sin_beta * std::sin(std::min(wedge.phi, wedge.phi_i)));
+    const Field n =
+        reflection(wedge.reflection_n,
+                   wedge.sin_beta * std::sin(wedge.n * std::numbers::pi - std::max(wedge.phi, wedge.phi_i)));
     for (std::size_t i = 0; i < std::size_t(count_); ++i)
       weight[i] *= optics::Wedge(wedge.n).over_half_plane(
-          2 * std::numbers::pi / wavelengths_[i] * wedge.distance, wedge.phi, wedge.phi_i, faces);
+          2 * std::numbers::pi / wavelengths_[i] * wedge.distance, wedge.phi, wedge.phi_i, {o[i], n[i]});
+  }
+
+  /// Returns the amplitudes with which a face reflects waves of the polarisation, 0 where it absorbs. `cos_i`: cosine of the angle of
+  /// incidence, negative where the light comes from behind the plane of the face.
+  Field reflection(const DiffractingShapes::Reflection& face, double cos_i) const {
+    Field amplitudes{};
+    if (!face.is_mirror) return amplitudes;
+    if (!face.amplitudes) {
+      amplitudes.fill(is_hard_ ? 1 : -1);
+      return amplitudes;
+    }
+    const SurfacePoint point;
+    const auto known =
+        face.amplitudes->reflection_amplitudes(float(std::min(std::abs(cos_i), 1.0)), BsdfContext{w_, point});
+    return is_hard_ ? known.p : known.s;
   }
 
   void add(const Row& row, const RowParts& parts) {

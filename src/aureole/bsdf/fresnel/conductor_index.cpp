@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/fresnel/conductor_index.h"
 
+#include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/parameter/radio_index.h"
 #include "aureole/spectrum/fresnel.h"
 #include "aureole/spectrum/refractive_index.h"
@@ -73,6 +74,21 @@ Spectrum ConductorIndex::reflectance(float cos_i, const BsdfContext& ctx) const 
   if (!eta_texture_) return 1.f;
   return fresnel_conductor(cos_i, eta_texture_->eval(ctx.point, ctx.wavelengths),
                            k_texture_->eval(ctx.point, ctx.wavelengths));
+}
+
+MirrorReflection::Amplitudes ConductorIndex::amplitudes(float cos_i, const BsdfContext& ctx) const {
+  MirrorReflection::Amplitudes a;
+  a.s.fill(-1), a.p.fill(1);
+  if (!tabulated_ && !eta_texture_) return a;
+  const Spectrum eta =
+      tabulated_ ? eta_.eval(ctx.wavelengths) : eta_texture_->eval(ctx.point, ctx.wavelengths);
+  const Spectrum k = tabulated_ ? k_.eval(ctx.wavelengths) : k_texture_->eval(ctx.point, ctx.wavelengths);
+  for (int i = 0; i < kWavelengths; ++i) {
+    if (eta[i] == 0 && k[i] == 0) continue;  // the limit of Fresnel's formulae is a perfect mirror
+    const auto at = optics::fresnel_amplitudes(double(cos_i), 1, {double(eta[i]), double(k[i])});
+    a.s[std::size_t(i)] = at.r_s, a.p[std::size_t(i)] = at.r_p;
+  }
+  return a;
 }
 
 Spectrum ConductorIndex::diffuse_reflectance(const BsdfContext& ctx) const {

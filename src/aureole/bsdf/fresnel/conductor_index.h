@@ -2,7 +2,7 @@
 // The complex index of refraction of a metal, read from a BSDF's parameters.
 #pragma once
 
-#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -17,6 +17,8 @@ public:
 
   /// Returns the Fresnel reflectance for light from vacuum, cos_i in (0, 1].
   Spectrum reflectance(float cos_i, const BsdfContext& ctx) const;
+  /// Returns the amplitudes of reflection for light from vacuum, cos_i in [0, 1].
+  MirrorReflection::Amplitudes amplitudes(float cos_i, const BsdfContext& ctx) const;
   /// Returns the reflectance for diffuse light: the integral of 2 F(mu) mu over mu in [0, 1].
   Spectrum diffuse_reflectance(const BsdfContext& ctx) const;
 

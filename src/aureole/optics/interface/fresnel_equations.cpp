@@ -80,22 +80,24 @@ double thin_slab_reflectance(double cos_i, double n_ext, double n_int) {
   return 2 * r / (1 + r);
 }
 
-SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickness) {
+SlabAmplitudes slab_amplitudes(double cos_i, double n_ext, Complex n_slab, double thickness) {
   if (!(thickness > 0 && std::isfinite(thickness)))
     throw std::domain_error("thickness of a slab must be positive and finite, got " +
                             std::to_string(thickness));
   const FresnelAmplitudes face = fresnel_amplitudes(cos_i, n_ext, n_slab);
   // Change of the amplitude along one pass through the slab.
   const Complex way = std::exp(Complex(0, 2 * kPi * thickness) * (n_slab * face.cos_t));
-  SlabPowers mean;
-  for (const Complex r : {face.r_s, face.r_p}) {
-    const Complex sum = 1.0 - r * r * way * way;
-    // At the critical angle the amplitudes are 0/0, so that the amplitudes of a nearby angle are used.
-    if (sum == 0.0) return slab_powers(cos_i < 0.5 ? cos_i + 1e-7 : cos_i - 1e-7, n_ext, n_slab, thickness);
-    mean.reflected += 0.5 * std::norm(r * (1.0 - way * way) / sum);
-    mean.transmitted += 0.5 * std::norm((1.0 - r * r) * way / sum);
-  }
-  return mean;
+  const Complex sum_s = 1.0 - face.r_s * face.r_s * way * way, sum_p = 1.0 - face.r_p * face.r_p * way * way;
+  // At the critical angle the amplitudes are 0/0, so that the amplitudes of a nearby angle are used.
+  if (sum_s == 0.0 || sum_p == 0.0)
+    return slab_amplitudes(cos_i < 0.5 ? cos_i + 1e-7 : cos_i - 1e-7, n_ext, n_slab, thickness);
+  return {face.r_s * (1.0 - way * way) / sum_s, face.r_p * (1.0 - way * way) / sum_p,
+          (1.0 - face.r_s * face.r_s) * way / sum_s, (1.0 - face.r_p * face.r_p) * way / sum_p};
+}
+
+SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickness) {
+  const SlabAmplitudes a = slab_amplitudes(cos_i, n_ext, n_slab, thickness);
+  return {0.5 * (std::norm(a.r_s) + std::norm(a.r_p)), 0.5 * (std::norm(a.t_s) + std::norm(a.t_p))};
 }
 
 double fresnel_diffuse_reflectance(double eta) {

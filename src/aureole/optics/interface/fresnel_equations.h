@@ -41,6 +41,16 @@ double fresnel_reflectance_conductor(double cos_i, double n_i, std::complex<doub
 /// polarisations through the slab either. `n_ext` is the index outside, `n_int` the slab's.
 double thin_slab_reflectance(double cos_i, double n_ext, double n_int);
 
+/// Ratios of the complex electric-field amplitudes that a slab reflects and transmits to the incident one; axes as for
+/// FresnelAmplitudes.
+struct SlabAmplitudes {
+  std::complex<double> r_s, r_p, t_s, t_p;
+};
+
+/// Returns the amplitudes of a slab with parallel faces, with interference of all reflections within it (Born & Wolf 1999, 1.6.4
+/// equations 57 to 60 and 14.4), both measured at the face that each wave leaves. Arguments and errors are those of `slab_powers`.
+SlabAmplitudes slab_amplitudes(double cos_i, double n_ext, std::complex<double> n_slab, double thickness);
+
 /// Fractions of the power of a plane wave that a slab reflects and transmits. The rest is absorbed.
 struct SlabPowers {
   double reflected = 0, transmitted = 0;

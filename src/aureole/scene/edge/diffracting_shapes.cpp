@@ -38,10 +38,12 @@ double turn_without_creeping(double wave_number, double radius) {
   return std::min(0.5, std::cbrt(2 / (wave_number * radius)));
 }
 
-/// Whether a BSDF reflects light in one direction alone.
-bool reflects_as_mirror(const Bsdf& bsdf) {
-  return has(bsdf.lobes(), Lobe::delta) && has(bsdf.lobes(), Lobe::reflect) &&
-         !has(bsdf.lobes(), Lobe::diffuse | Lobe::glossy);
+/// Returns how a BSDF reflects waves; one that reflects light in one direction alone, by amplitudes that are not known, is a perfect mirror.
+DiffractingShapes::Reflection reflection_of(const Bsdf& bsdf) {
+  const MirrorReflection* amplitudes = mirror_reflection_of(bsdf);
+  const bool reflects_as_mirror = has(bsdf.lobes(), Lobe::delta) && has(bsdf.lobes(), Lobe::reflect) &&
+                                  !has(bsdf.lobes(), Lobe::diffuse | Lobe::glossy);
+  return {amplitudes || reflects_as_mirror, amplitudes};
 }
 
 }  // namespace
@@ -109,7 +111,7 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
   const EdgeDiffraction* mark = only_marked_ ? edge_diffraction_of(bsdf) : nullptr;
   if (only_marked_ && !(mark && mark->is_enabled() && mark->scale() > 0)) return;
   const float factor = mark ? mark->scale() : 1.f;
-  const bool reflects = reflects_as_mirror(bsdf);
+  const Reflection reflects = reflection_of(bsdf);
   if (const auto* mesh = dynamic_cast<const Mesh*>(&shape)) {
     add_triangles(mesh->data().positions, mesh->data().triangles, instance, factor, 0, reflects);
     return;
@@ -202,12 +204,13 @@ void DiffractingShapes::add_round_shapes() {
 }
 
 void DiffractingShapes::add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
-                                      const Instance* instance, float factor, float height, bool is_mirror) {
+                                      const Instance* instance, float factor, float height,
+                                      Reflection reflection) {
   if (instance)
     for (Vec3& p : positions) p = instance->point_to_world(p);
   positions_.push_back(std::move(positions));
   triangles_.push_back(std::move(triangles));
-  scale.push_back(factor), lift.push_back(height), reflects.push_back(is_mirror);
+  scale.push_back(factor), lift.push_back(height), reflects.push_back(reflection);
 }
 
 BeamWidth DiffractingShapes::width(const BeamWidth& of_integrator) const {

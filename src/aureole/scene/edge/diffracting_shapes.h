@@ -9,6 +9,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/edge_diffraction.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/scene/edge/beam_width.h"
 #include "aureole/scene/edge/mesh_edges.h"
 #include "aureole/scene/scene_parts.h"
@@ -40,7 +41,13 @@ public:
   /// For each set, the height above an edge from which light passes. A round surface bends away behind its
   /// outline; where it is lower than the outline by less than this height, it acts as a flat screen.
   std::vector<float> lift;
-  std::vector<bool> reflects;  ///< of each set: whether its BSDF reflects as a mirror
+  /// How the surface of a set reflects waves that its edges diffract.
+  struct Reflection {
+    bool is_mirror = false;  ///< whether it has a specular reflection; otherwise it absorbs
+    /// amplitudes of that reflection; null: those of a perfect mirror
+    const MirrorReflection* amplitudes = nullptr;
+  };
+  std::vector<Reflection> reflects;  ///< of each set
   /// A ball in the world.
   struct BallInWorld {
     Double3 center;
@@ -59,7 +66,7 @@ private:
   void add(const Shape& shape, const Bsdf& bsdf, bool shines, const Instance* instance);
   void add_round_shapes();
   void add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
-                     const Instance* instance, float scale, float lift, bool reflects);
+                     const Instance* instance, float scale, float lift, Reflection reflects);
 
   bool passes_light(const Bsdf& bsdf) const;
   /// Returns the number of sides of a polygon that approximates a rim of that radius; `is_curved`: the
@@ -84,7 +91,7 @@ struct DiffractingShapes::Round {
   const Instance* instance;
   float scale;
   double radius;  ///< in the world
-  bool reflects;  ///< as a mirror
+  Reflection reflects;
 };
 
 }  // namespace aureole

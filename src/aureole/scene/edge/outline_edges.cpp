@@ -512,9 +512,11 @@ bool OutlineEdges::find_wedge(const EdgePassage& passage, const EdgeSegment& seg
   if (!angle(-in, out.phi_i) || !angle(leaving, out.phi)) return false;
   const double along = dot(in, line.e), s_i = length(passage.p);
   const double s = line.is_infinite() ? double(kInfinity) : length(segment.d * segment.length - passage.p);
-  out.distance = (line.is_infinite() ? s_i : s_i * s / (s_i + s)) * std::max(0.0, 1 - along * along);
-  out.reflects_o = reflects_[edge.face0.set];
-  out.reflects_n = edge.is_boundary ? out.reflects_o : bool(reflects_[edge.face1.set]);
+  const double sin2 = std::max(0.0, 1 - along * along);
+  out.distance = (line.is_infinite() ? s_i : s_i * s / (s_i + s)) * sin2;
+  out.sin_beta = std::sqrt(sin2);
+  out.reflection_o = reflects_[edge.face0.set];
+  out.reflection_n = edge.is_boundary ? out.reflection_o : reflects_[edge.face1.set];
   return out.distance > 0;
 }
 

@@ -52,10 +52,11 @@ struct EdgeSide {
 /// An edge as a wedge of two faces, for light that arrives at a point of it and leaves that point
 /// (optics/diffraction/uniform_theory.h).
 struct EdgeWedge {
-  double n;                     ///< angle outside the wedge over pi, 2 for the border of a sheet
-  double phi, phi_i;            ///< angles [radians] from the o-face to where light goes and comes from
-  double distance;              ///< KP's L, in units of the scene
-  bool reflects_o, reflects_n;  ///< whether the faces are mirrors
+  double n;           ///< angle outside the wedge over pi, 2 for the border of a sheet
+  double phi, phi_i;  ///< angles [radians] from the o-face to where light goes and comes from
+  double distance;    ///< KP's L, in units of the scene
+  double sin_beta;    ///< sine of the angle between light and edge
+  DiffractingShapes::Reflection reflection_o, reflection_n;  ///< of the o-face and of the n-face
 };
 
 /// How two edges one behind the other act on a segment together.
@@ -203,8 +204,8 @@ private:
 
   std::vector<MeshEdge> edges_;
   static constexpr std::uint32_t kNoSheet = 0xffffffff;
-  std::vector<float> lift_;           ///< of each set of triangles, see DiffractingShapes
-  std::vector<bool> reflects_;        ///< of each set of triangles: whether it reflects as a mirror
+  std::vector<float> lift_;                              ///< of each set of triangles, see DiffractingShapes
+  std::vector<DiffractingShapes::Reflection> reflects_;  ///< of each set of triangles
   std::vector<std::uint32_t> sheet_;  ///< of each set of triangles: equal for sets in one plane
   BeamTree tree_;
   std::vector<DiffractingShapes::BallInWorld> balls_;  ///< their sets follow those of triangles
