@@ -234,9 +234,9 @@ TEST_F(PigmentCli, WrongInputHasItsPlace) {
   fails("fit thin.csv", "thin.csv:2:7: thickness must be positive");
   write("high.json",
         R"({"wavelengths_nm": [400, 700], "samples": [{"paints": "white", "values": [0.9, 1.3]}]})");
-  fails("fit high.json", "high.json: samples[0].values[1]: sample \"white\"");
+  fails("fit high.json", "high.json:1:80: samples[0].values[1]: sample \"white\"");
   write("no.json", R"({"wavelengths_nm": [400, 700], "samples": [{"paints": "white"}]})");
-  fails("fit no.json", "samples[0]: the key \"values\" is missing");
+  fails("fit no.json", "no.json:1:44: samples[0]: the key \"values\" is missing");
   fails("fit kimera --k1 0.04", "--k1 and --k2 are given together");
   EXPECT_FALSE(std::filesystem::exists(folder.path / "out.csv"));
 

@@ -525,7 +525,8 @@ TEST_F(PigmentCli, LayersStateWhatTheyLieOn) {
   // Other formats, too, state a backing beside a thickness.
   write("t.json", R"({"wavelengths_nm": [400, 700], "samples": [
     {"paints": "ochre", "thickness_um": 20, "values": [0.3, 0.4]}]})");
-  fails("fit t.json", "t.json: samples[0]: \"ochre\" has a thickness and no backing; right would be opaque");
+  fails("fit t.json",
+        "t.json:2:5: samples[0]: \"ochre\" has a thickness and no backing; right would be opaque");
   write("t.cgats",
         "BEGIN_DATA_FORMAT\nSAMPLE_NAME THICKNESS_UM nm400 nm700\nEND_DATA_FORMAT\nBEGIN_DATA\n"
         "ochre 20 .3 .4\nEND_DATA\n");
@@ -617,6 +618,119 @@ TEST_F(PigmentCli, RefusalsOfMeasurementsShowARightLine) {
     EXPECT_NE(said.find(said_so), std::string::npos) << said;
     EXPECT_NE(said.find(right + cells + "\n"), std::string::npos) << said;
   }
+}
+
+/// A reflectance that no paint has is shown with the line that would be right; with its unit and value the table is read.
+TEST_F(PigmentCli, RefusalsOfReflectancesShowARightLine) {
+  const std::string head = "sample,paints,unit,400,550,700\n";
+  for (const auto& [options, value, unit, said_so] :
+       {std::tuple{"", "95", "fraction",
+                   "is above that of a perfect white under this interface, 1; expected from "},
+        {"", "1.2", "fraction", "is above that of a perfect white under this interface, 1; expected from "},
+        {" --joint", "95", "fraction", "95 is above 1.05; are these per cent"},
+        {" --joint", "120", "percent", "1.2 is above 1.05; are these per cent"},
+        {" --geometry d8 --specular included --index 1.5", "0.01", "fraction",
+         "is below what the interface itself reflects"}}) {
+    const auto table = [&](const std::string& of_unit, const std::string& of_value) {
+      const std::string other = of_unit == "percent" ? "92" : "0.92";
+      return head + "a,chalk," + of_unit + "," + other + "," + of_value + "," + other + "\n";
+    };
+    write("t.csv", table(unit, value));
+    // The column of the wrong value, after the four cells before it.
+    const std::string wrong = table(unit, value).substr(head.size());
+    std::size_t at_550 = 0;
+    for (int cell = 0; cell < 4; ++cell) at_550 = wrong.find(',', at_550) + 1;
+    ++at_550;
+    fails("fit t.csv --white chalk" + std::string(options),
+          "t.csv:2:" + std::to_string(at_550) + ": sample \"a\" at 550 nm: ");
+    EXPECT_NE(said.find(said_so), std::string::npos) << said;
+    const std::string begin =
+        "a line that would be right, with one of its values:\n"
+        "    sample,specimen,paints,quantity,backing,thickness_um,unit,550\n    a,,chalk,R,opaque,,";
+    const auto at = said.find(begin);
+    ASSERT_NE(at, said.npos) << said;
+    const std::string right =
+        said.substr(at + begin.size(), said.find('\n', at + begin.size()) - at - begin.size());
+    const auto comma = right.find(',');
+    const std::string text = table(right.substr(0, comma), right.substr(comma + 1));
+    write("right.csv", text);
+    EXPECT_EQ(run("fit right.csv --white chalk" + std::string(options)), 0) << text << said;
+  }
+  write(
+      "t.json",
+      "{\"wavelengths_nm\": [400, 550],\n \"samples\": [{\"paints\": \"chalk\", \"values\": [0.9,\n  95]}]}");
+  fails("fit t.json",
+        "t.json:3:3: samples[0].values[1]: sample \"chalk\" at 550 nm: reflectance 95 is above");
+  EXPECT_NE(said.find("thickness_um,unit,550\n    chalk,,chalk,R,opaque,,percent,95\n"), said.npos) << said;
+}
+
+/// Refusals of JSON have line and column, say what was expected, and show a line that would be right; with this line in the place
+/// of the wrong one the file is read.
+TEST_F(PigmentCli, RefusalsOfJsonShowARightLine) {
+  // Each member has a line of its own. Three bytes are one character of the line.
+  const std::string text =
+      "{\"unit\": \"percent\",\n\"wavelengths_nm\": [400, 550, 700],\n\"samples\": [\n{\"sample\": \"\xE2\x82\xAC {[,\\\"\",\n"
+      "\"paints\": \"white\",\n\"quantity\": \"R\",\n\"backing\": \"opaque\",\n\"values\": [90, 91, 92]}\n]}\n";
+  struct Case {
+    const char *old, *by, *said_so;
+    bool has_right_line = true;
+  };
+  for (const Case& c :
+       {Case{"\"percent\"", "\"furlong\"", ":1:10: unit: unit must be fraction or percent, got \"furlong\""},
+        {"\"percent\"", "7", ":1:10: unit: expected a string, got 7"},
+        {"[400, 550, 700]", "[400, \"x\", 700]", ":2:25: wavelengths_nm[1]: expected a number, got \"x\""},
+        {"[400, 550, 700]", "400", ":2:19: wavelengths_nm: expected an array, got 400"},
+        {"\"white\"", "\"a: x + b: 1\"", ":5:11: samples[0].paints: "},
+        {"\"white\"", "{\"a\": [1]}", ":5:17: samples[0].paints.a: expected a number, got an array", false},
+        {"\"quantity\": \"R\"", "\"quantity\": \"Q\"",
+         ":6:13: samples[0].quantity: must be R or T, got \"Q\""},
+        {"\"backing\": \"opaque\"", "\"thickness_um\": 0",
+         ":7:17: samples[0].thickness_um: a thickness must be positive, got 0", false},
+        {"[90, 91, 92]", "[90, null, 92]", ":8:16: samples[0].values[1]: expected a number, got null"},
+        {"\"values\": [90, 91, 92]", "\"value\": [90, 91, 92]",
+         ":4:1: samples[0]: the key \"values\" is missing"},
+        {"[90, 91, 92]", "[90, 91]", ":4:1: samples[0]: sample \"", false},
+        {"\"unit\": \"percent\",", "\"unit\" \"percent\",", ":1:", false},
+        {"92]", "92", ":8:", false}}) {
+    const std::string wrong = replaced(text, c.old, c.by);
+    write("a.json", wrong);
+    fails("fit a.json", std::string("a.json") + c.said_so);
+    const std::string begin = "a line that would be right:\n    ";
+    const auto at = said.find(begin);
+    if (at == said.npos || !c.has_right_line) {
+      EXPECT_TRUE(!c.has_right_line) << said;
+      continue;
+    }
+    const std::string right =
+        said.substr(at + begin.size(), said.find('\n', at + begin.size()) - at - begin.size());
+    // The key's line is replaced by the right one, with what encloses it.
+    const std::string key = right.substr(0, right.find(':'));
+    std::istringstream lines(text);
+    std::string line, mended;
+    while (std::getline(lines, line)) {
+      const auto of_key = line.find(key + ":");
+      if (of_key == line.npos) {
+        mended += line + "\n";
+        continue;
+      }
+      const bool is_last = line.ends_with("]}");
+      mended += line.substr(0, of_key) + right + (is_last ? "}" : ",") + "\n";
+    }
+    write("right.json", mended);
+    EXPECT_EQ(run("fit right.json --joint"), 0) << mended << said;
+  }
+  write(
+      "a.json",
+      "[{\"type\": \"wavelengths\", \"values\": [400, 700]},\n{\"type\": \"sample\", \"name\": \"a\", \"reflectance\": [90, 190]}]");
+  fails("fit a.json", "a.json:2:53: [1].reflectance[1]: sample \"a\" at 700 nm: reflectance 1.9 is above");
+  write("a.json", "{\"wavelengths_nm\": [400, 1e999]}");
+  fails("fit a.json", "a.json: is no JSON: ");
+  // Of several files, the sample is counted within its own.
+  write("one.csv", "paints,400,700\nchalk,0.8,0.9\n");
+  write("two.json",
+        "{\"wavelengths_nm\": [400, 700], \"samples\": [\n{\"paints\": \"red\", \"values\": [0.3, 1.4]}]}");
+  fails("fit one.csv two.json --joint",
+        "two.json:2:1: samples[0]: sample \"red\" at 700 nm: 1.4 is above 1.05");
 }
 
 /// Refusals of CGATS name the field, and show the line as it would be right; with this line the file is read.

@@ -144,7 +144,16 @@ void Fitter::check_samples() const {
         const double inner = inner_reflectance(settings_.surface, sample.values[i]);
         if (sample.backing == "opaque" && !sample.paints.empty()) k_over_s(inner);
       } catch (const std::domain_error& e) {
-        throw SampleError(s, int(i), named + " at " + number_text(table_.nm[i]) + " nm: " + e.what());
+        // Limits under this interface, rounded inwards. A layer of which K/S is wanted reflects some light.
+        constexpr double kDigits = 1e4;
+        const double value = sample.values[i],
+                     most = std::floor(kDigits * outer_reflectance(settings_.surface, 1)) / kDigits,
+                     least = (std::floor(kDigits * settings_.surface.seen) + 1) / kDigits;
+        throw SampleError(s, int(i),
+                          named + " at " + number_text(table_.nm[i]) + " nm: " + e.what() +
+                              "; expected from " + number_text(least) + " to " + number_text(most) +
+                              (value > most ? right_reflectance_line(sample, table_.nm[i], value, most)
+                                            : right_value_line(sample, table_.nm[i], false, least)));
       }
   }
 }

@@ -459,8 +459,10 @@ std::vector<std::string> range_notes(const SampleTable& table, const Surface& su
       const double value = sample.values[l];
       const std::string at = "sample \"" + sample.name + "\" at " + number_text(table.nm[l]) + " nm: ";
       if (value > kLargest)
-        throw SampleError(
-            s, int(l), at + number_text(value) + " is above 1.05; are these per cent, or is a digit wrong?");
+        throw SampleError(s, int(l),
+                          at + number_text(value) +
+                              " is above 1.05; are these per cent, or is a digit wrong?" +
+                              right_reflectance_line(sample, table.nm[l], value, kLargest));
       if (sample.quantity == Sample::Quantity::transmittance) continue;
       try {
         inner_reflectance(surface, value);

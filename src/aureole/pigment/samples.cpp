@@ -746,17 +746,35 @@ Instrument instrument_called(const std::string& text) {
   return result;
 }
 
+/// The headings of a line that describes a sample, and its cells.
+constexpr const char* kSampleHeadings = "sample,specimen,paints,quantity,backing,thickness_um";
+std::vector<std::string> sample_cells(const Sample& s) {
+  return {s.name,
+          s.specimen,
+          s.paints.empty()       ? ""
+          : s.paints.size() == 1 ? s.paints[0].name
+                                 : recipe_text(s.paints),
+          s.quantity == Sample::Quantity::transmittance ? "T" : "R",
+          s.paints.empty() ? "" : s.backing,
+          s.thickness > 0 ? number_text(1e6 * s.thickness) : ""};
+}
+
 std::string right_sample_line(const Sample& s) {
-  const std::vector<std::string> cells{s.name,
-                                       s.specimen,
-                                       s.paints.empty()       ? ""
-                                       : s.paints.size() == 1 ? s.paints[0].name
-                                                              : recipe_text(s.paints),
-                                       s.quantity == Sample::Quantity::transmittance ? "T" : "R",
-                                       s.paints.empty() ? "" : s.backing,
-                                       s.thickness > 0 ? number_text(1e6 * s.thickness) : ""};
-  return "; a line that would be right, before its values:\n    sample,specimen,paints,quantity,backing,thickness_um\n    " +
-         line_of(cells, ',');
+  return std::string("; a line that would be right, before its values:\n    ") + kSampleHeadings + "\n    " +
+         line_of(sample_cells(s), ',');
+}
+
+std::string right_value_line(const Sample& sample, double nm, bool is_percent, double value) {
+  std::vector<std::string> cells = sample_cells(sample);
+  cells.push_back(is_percent ? "percent" : "fraction"), cells.push_back(number_text(value));
+  return std::string("; a line that would be right, with one of its values:\n    ") + kSampleHeadings +
+         ",unit," + number_text(nm) + "\n    " + line_of(cells, ',');
+}
+
+std::string right_reflectance_line(const Sample& sample, double nm, double value, double most) {
+  const bool is_percent = value > 1.5 && value <= 100 * most;
+  // The largest possible value is rounded down, so that the line is right.
+  return right_value_line(sample, nm, is_percent, is_percent ? value : std::floor(1e4 * most) / 1e4);
 }
 
 std::string sample_table_template() {
@@ -885,7 +903,9 @@ void check_not_above_white(const SampleTable& table) {
                               " is above 1.05" +
                               (table.samples[s].values[i] > 1.5
                                    ? "; if the values are per cent, a column \"unit\" with percent says so"
-                                   : "; is the unit right (fraction or percent), or is a digit wrong?"));
+                                   : "; is the unit right (fraction or percent), or is a digit wrong?") +
+                              right_reflectance_line(table.samples[s], table.nm[i],
+                                                     table.samples[s].values[i], kLargestReflectance));
 }
 
 void check(const SampleTable& table) {

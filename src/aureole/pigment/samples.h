@@ -88,6 +88,12 @@ std::string right_sample_line(Sample sample, const Change& change) {
   return right_sample_line(sample);
 }
 
+/// The end of an error on a value that no paint can have: the line of a table, with its unit and this value at `nm`, that would be
+/// right for `sample`.
+std::string right_value_line(const Sample& sample, double nm, bool is_percent, double value);
+/// As above, for a reflectance above `most`. A value above 1.5 is taken for one in per cent if that is possible.
+std::string right_reflectance_line(const Sample& sample, double nm, double value, double most);
+
 /// Whether a table must state the recipes of its samples. Colours alone do not need them.
 enum class Recipes { required, optional };
 

@@ -11,7 +11,9 @@
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
 #include "aureole/instrument/paint/cxf_file.h"
+#include "aureole/instrument/paint/json_place.h"
 #include "aureole/pigment/cgats_text.h"
+#include "aureole/pigment/domain.h"
 #include "aureole/pigment/joint_fit.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
@@ -23,25 +25,58 @@ namespace {
 
 using nlohmann::json;
 
+/// A line of a JSON table that would be right for each key.
+std::string right_json_line(const std::string& key) {
+  static const std::map<std::string, std::string> kLines = {
+      {"wavelengths_nm", R"("wavelengths_nm": [400, 550, 700])"},
+      {"samples",
+       R"("samples": [{"paints": "ochre", "backing": "0.01", "thickness_um": 24, "values": [0.41, 0.45, 0.5]}])"},
+      {"unit", R"("unit": "percent")"},
+      {"paints", R"("paints": {"ochre": 1, "white": 9})"},
+      {"components", R"("components": {"ochre": 1, "white": 9})"},
+      {"sample", R"("sample": "ochre over the card")"},
+      {"specimen", R"("specimen": "layer 1")"},
+      {"series", R"("series": "batch 1")"},
+      {"quantity", R"("quantity": "R")"},
+      {"backing", R"("backing": "opaque")"},
+      {"thickness_um", R"("thickness_um": 24)"},
+      {"values", R"("values": [0.41, 0.45, 0.5])"},
+      {"reflectance", R"("reflectance": [41, 45, 50])"},
+      {"name", R"("name": "ochre")"},
+      {"type", R"("type": "wavelengths")"}};
+  const auto at = kLines.find(key);
+  return at == kLines.end() ? "{" + kLines.at("wavelengths_nm") + ", " + kLines.at("samples") + "}"
+                            : at->second;
+}
+
+/// A JSON text with its name, for the places of errors.
+struct JsonText {
+  std::string file, text;
+};
+
 /// A value of a JSON document and its path, such as "samples[3].values[12]", for errors.
 class Item {
 public:
-  Item(const std::string& file, const json& value, std::string path)
-      : file_(file), value_(value), path_(std::move(path)) {}
+  Item(const JsonText& text, const json& value, JsonPath path)
+      : text_(text), value_(value), path_(std::move(path)) {}
 
+  /// Throws the error at this value's place, with a line that would be right for its key.
   [[noreturn]] void fail(const std::string& message) const {
-    throw Error({file_, 0, 0}, (path_.empty() ? "" : path_ + ": ") + message);
+    const auto key = std::find_if(path_.rbegin(), path_.rend(), [](const JsonStep& step) {
+      return std::holds_alternative<std::string>(step);
+    });
+    fail(message, key == path_.rend() ? "" : std::get<std::string>(*key));
   }
   bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
   Item at(const char* key) const {
-    if (!has(key)) fail("the key \"" + std::string(key) + "\" is missing");
-    return {file_, value_[key], path_.empty() ? key : path_ + "." + key};
+    if (!value_.is_object()) fail("expected an object with the key \"" + std::string(key) + "\"" + found());
+    if (!has(key)) fail("the key \"" + std::string(key) + "\" is missing", key);
+    return {text_, value_[key], extended(key)};
   }
   std::vector<Item> items() const {
-    if (!value_.is_array()) fail("expected an array");
+    if (!value_.is_array()) fail("expected an array" + found());
     std::vector<Item> all;
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      all.emplace_back(file_, value_[i], path_ + "[" + std::to_string(i) + "]");
+    for (std::size_t i = 0; i < value_.size(); ++i) all.emplace_back(text_, value_[i], extended(i));
     return all;
   }
   std::vector<std::string> keys() const {
@@ -50,11 +85,11 @@ public:
     return all;
   }
   double number() const {
-    if (!value_.is_number() || !std::isfinite(value_.get<double>())) fail("expected a number");
+    if (!value_.is_number() || !std::isfinite(value_.get<double>())) fail("expected a number" + found());
     return value_.get<double>();
   }
   std::string text() const {
-    if (!value_.is_string()) fail("expected a string");
+    if (!value_.is_string()) fail("expected a string" + found());
     return value_.get<std::string>();
   }
   std::vector<double> numbers(double scale) const {
@@ -66,9 +101,27 @@ public:
   bool is_array() const { return value_.is_array(); }
 
 private:
-  const std::string& file_;
+  [[noreturn]] void fail(const std::string& message, const std::string& key) const {
+    throw Error(json_place(text_.file, text_.text, path_),
+                (path_.empty() ? "" : json_path_text(path_) + ": ") + message +
+                    "; a line that would be right:\n    " + right_json_line(key));
+  }
+  JsonPath extended(JsonStep step) const {
+    JsonPath path = path_;
+    path.push_back(std::move(step));
+    return path;
+  }
+  /// The value as the end of an error that quotes it.
+  std::string found() const {
+    constexpr std::size_t kLongest = 40;
+    if (value_.is_structured()) return value_.is_array() ? ", got an array" : ", got an object";
+    const std::string text = value_.dump(-1, ' ', false, json::error_handler_t::replace);
+    return ", got " + (text.size() > kLongest ? text.substr(0, kLongest) + "..." : text);
+  }
+
+  const JsonText& text_;
   const json& value_;
-  std::string path_;
+  JsonPath path_;
 };
 
 std::vector<pigment::Component> paints_of(const Item& item) {
@@ -111,7 +164,9 @@ pigment::SampleTable sample_document(const Item& document) {
     if (item.has("specimen")) s.specimen = item.at("specimen").text();
     if (item.has("thickness_um")) {
       s.thickness = 1e-6 * item.at("thickness_um").number();
-      if (!(s.thickness > 0)) item.at("thickness_um").fail("must be positive");
+      if (!(s.thickness > 0))
+        item.at("thickness_um")
+            .fail("a thickness must be positive, got " + pigment::number_text(1e6 * s.thickness));
     }
     const std::string quantity = item.has("quantity") ? item.at("quantity").text() : "R";
     if (quantity != "R" && quantity != "T")
@@ -139,21 +194,50 @@ pigment::SampleTable paint_mixing(const Item& document) {
 }
 
 pigment::SampleTable read_json_samples(const std::string& file) {
+  const JsonText text{file, read_text_file(file, kMaxJsonBytes)};
   json document;
   try {
-    document = json::parse(read_text_file(file, kMaxJsonBytes));
+    document = json::parse(text.text);
   } catch (const json::parse_error& e) {
-    throw Error({file, 0, 0}, e.what());  // the message contains line and column
+    // The byte is that at which the parser stopped, from 1; its message repeats the place before "syntax error".
+    const std::string message = e.what();
+    const auto begin = message.find("syntax error");
+    throw Error(place_of_byte(file, text.text, e.byte > 0 ? e.byte - 1 : 0),
+                "is no JSON: " + message.substr(begin == message.npos ? 0 : begin) +
+                    "; a line that would be right:\n    " + right_json_line(""));
+  } catch (const json::exception& e) {
+    throw Error({file, 0, 0}, std::string("is no JSON: ") + e.what());  // a number beyond all doubles
   }
-  const Item item(file, document, "");
+  const Item item(text, document, {});
   return item.is_array() ? paint_mixing(item) : sample_document(item);
 }
+
+/// The path in a JSON file of a sample, or of one of its values: `index` counts the samples of the file.
+JsonPath path_of_sample(const std::string& text, std::size_t index, int wavelength) {
+  const json document = json::parse(text, nullptr, false);
+  const bool is_of_paint_mixing = document.is_array();
+  JsonPath path;
+  if (is_of_paint_mixing) {
+    // One of the entries holds the wavelengths.
+    std::size_t entry = 0;
+    for (std::size_t samples = 0; entry < document.size(); ++entry)
+      if (document[entry].value("type", "") != "wavelengths" && samples++ == index) break;
+    path = {entry};
+  } else {
+    path = {"samples", index};
+  }
+  if (wavelength >= 0)
+    path.push_back(is_of_paint_mixing ? "reflectance" : "values"), path.push_back(std::size_t(wavelength));
+  return path;
+}
+
+bool is_json_file(const std::string& file) { return pigment::lower_case(file).ends_with(".json"); }
 
 /// Detects the format by the extension, or else by the beginning of the text. CGATS has many extensions:
 /// .txt, .cgats, .ti3, .sp, .it8.
 std::string kind_of(const std::string& file, const std::string& text) {
   const std::string ending = pigment::lower_case(file.substr(std::min(file.rfind('.'), file.size())));
-  if (ending == ".json") return "json";
+  if (is_json_file(file)) return "json";
   if (ending == ".cxf") return "cxf";
   if (ending == ".csv") return "csv";
   if (ending == ".cgats") return "cgats";
@@ -283,12 +367,17 @@ void rethrow_located(const std::string& table_file, const pigment::SampleTable& 
   const std::string& file = s.file.empty() ? table_file : s.file;
   const int wavelength = of_sample->wavelength();
   const bool has_column = wavelength >= 0 && std::size_t(wavelength) < s.columns.size();
-  const std::string key =
-      s.line > 0 ? ""
-                 : "samples[" + std::to_string(of_sample->sample()) + "]" +
-                       (wavelength >= 0 ? ".values[" + std::to_string(wavelength) + "]" : "") + ": ";
+  if (s.line == 0 && is_json_file(file)) {
+    // In a table that several files were joined to, samples of this file are counted; its wavelengths may differ from the table's.
+    const auto before = table.samples.begin() + std::ptrdiff_t(of_sample->sample());
+    const auto index = std::count_if(table.samples.begin(), before,
+                                     [&](const pigment::Sample& other) { return other.file == s.file; });
+    const std::string text = read_text_file(file, kMaxJsonBytes);
+    const JsonPath path = path_of_sample(text, std::size_t(index), s.file.empty() ? wavelength : -1);
+    throw Error(json_place(file, text, path), json_path_text(path) + ": " + error.what());
+  }
   const int line = has_column && !s.lines.empty() ? s.lines[std::size_t(wavelength)] : s.line;
-  throw Error({file, line, has_column ? s.columns[std::size_t(wavelength)] : 0}, key + error.what());
+  throw Error({file, line, has_column ? s.columns[std::size_t(wavelength)] : 0}, error.what());
 }
 
 pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
