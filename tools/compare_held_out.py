@@ -7,8 +7,8 @@
         --hold-out each --json held.json
     python3 tools/compare_held_out.py revigo.csv held.json
 
-For each theory of the report it prints the mean and the median CIEDE2000, the median of the ratios to the plain fit, and on how
-many mixtures the theory is better. The sets of mixtures are: all; those whose coloured paints have another tint in the table; those
+For each theory of the report it prints the mean and the median CIEDE2000, the median of the ratios to the plain fit with a 90 %
+interval by bootstrap over the mixtures, their geometric mean, and on how many mixtures the theory is better. The sets of mixtures are: all; those whose coloured paints have another tint in the table; those
 that have one in their own series, as the plain fit needs (40 of the oil paints); those of the kinds of which the table lacks
 specimens, 50:50 tints, shades and mixtures; and sets of eleven, drawn from all in a fixed random order: four tints of about 50:50,
 four shades with black, three other mixtures.
@@ -18,6 +18,7 @@ much of the white, coloured paints with 4 to 15 % of the black, and mixtures wit
 """
 import csv
 import json
+import math
 import random
 import statistics
 import sys
@@ -25,6 +26,13 @@ import sys
 WHITE, BLACK = "ZincWhite", "BoneBlack"
 OTHER_WHITES = ("LeadWhite", "BariumSulphate", "CalciumCarbonate")
 DRAWS = 2000
+
+
+def interval_of_median(values):
+    """90 % interval of the median by bootstrap, from a fixed seed."""
+    draw = random.Random(1)
+    medians = sorted(statistics.median(draw.choices(values, k=len(values))) for _ in range(DRAWS))
+    return medians[round(0.05 * DRAWS)], medians[round(0.95 * DRAWS) - 1]
 
 
 def recipes(file):
@@ -71,15 +79,17 @@ def main():
     by_kind = {k: [name for name in held if kind(table[name][1]) == k] for k in ("tint", "shade", "other")}
     order = random.Random(1)
     elevens = [order.sample(by_kind["tint"], 4) + order.sample(by_kind["shade"], 4) + order.sample(by_kind["other"], 3) for _ in range(DRAWS)]
-    print(f"{'mixtures':<28}{'theory':<12}{'mean':>6}{'median':>8}{'ratio':>7}  better")
+    print(f"{'mixtures':<28}{'theory':<12}{'mean':>6}{'median':>8}{'ratio':>7}{'90 %':>12}{'geom.':>7}  better")
     for title, names in sets.items():
         values = [held[name]["plain"] for name in names]
         print(f"{title:<28}{'plain':<12}{statistics.mean(values):>6.2f}{statistics.median(values):>8.2f}")
         for theory in theories:
             values = [held[name][theory] for name in names]
             ratios = [held[name][theory] / held[name]["plain"] for name in names]
+            low, high = interval_of_median(ratios)
+            geometric = math.exp(statistics.mean(math.log(r) for r in ratios))
             print(f"{'':<28}{theory:<12}{statistics.mean(values):>6.2f}{statistics.median(values):>8.2f}{statistics.median(ratios):>7.2f}"
-                  f"  {sum(r < 1 for r in ratios)} of {len(names)}")
+                  f"{f'{low:.2f} - {high:.2f}':>12}{geometric:>7.2f}  {sum(r < 1 for r in ratios)} of {len(names)}")
     for theory in theories:
         ratios = [[held[name][theory] / held[name]["plain"] for name in names] for names in elevens]
         medians = [statistics.median(r) for r in ratios]

@@ -40,8 +40,8 @@ std::vector<HeldOut> hold_out(const SampleTable& table, const FilmTheory& theory
                               const JointFit& full, bool with_errors,
                               const ParallelFor& threads = serial_for);
 
-/// The baseline: the two-constant theory with nothing else unknown (`JointSettings::plain`), fitted anew for each
-/// group to the series of its specimens and to all specimens of `white`, `black` and their mixtures. Where
+/// The baseline: the two-constant theory with nothing else unknown (`JointSettings::plain`, but with the default errors of
+/// reflectance of `JointSettings`), fitted anew for each group to the series of its specimens and to all specimens of `white`, `black` and their mixtures. Where
 /// these lack a paint, the fit includes the series of that paint.
 std::vector<HeldOut> hold_out_plain(const SampleTable& table, const FilmTheory& theory,
                                     const HoldOutGroups& groups, const std::string& white,
