@@ -171,6 +171,94 @@ TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
   EXPECT_GT(sum, 0);
 }
 
+/// Random lights of which each third is steady, one pulses and one swings as a sine, and a sky, during an exposure.
+std::shared_ptr<const Scene> modulated_scene(bool has_sky) {
+  SeededRandom random{17};
+  std::string text;
+  for (int k = 0; k < 12; ++k) {
+    const char* modulations[] = {
+        "",
+        "<modulation type=\"wave\"><string name=\"waveform\" value=\"square\"/><float name=\"frequency\" value=\"1\"/><float name=\"duty\" value=\"0.1\"/></modulation>",
+        "<modulation type=\"wave\"><float name=\"frequency\" value=\"1\"/></modulation>"};
+    const std::string place = std::to_string(2 + std::abs(in_box(random, 3).x));
+    const std::string light = modulations[k % 3] + std::string("</emitter>");
+    const Vec3 c = in_box(random, 5);
+    text +=
+        k % 2
+            ? "<emitter type=\"point\">" + vec("position", c) + "<float name=\"intensity\" value=\"" + place +
+                  "\"/>" + light
+            : "<shape type=\"sphere\">" + vec("center", c) +
+                  "<float name=\"radius\" value=\"0.2\"/><emitter type=\"area\"><float name=\"radiance\" value=\"" +
+                  place + "\"/>" + light + "</shape>";
+  }
+  if (has_sky)
+    text +=
+        "<emitter type=\"constant\"><modulation type=\"wave\"><float name=\"frequency\" value=\"1\"/></modulation></emitter>";
+  return load_scene_from_string(
+             "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\">"
+             "<float name=\"shutter_close\" value=\"1\"/><film type=\"hdrfilm\"/></sensor>" +
+                 text + "</scene>",
+             "lights.xml")
+      .scene;
+}
+
+TEST(LightSampler, ChoicesFollowTheTime) {
+  for (const bool has_sky : {false, true}) {
+    const auto scene = modulated_scene(has_sky);
+    const LightSampler& lights = scene->lights();
+    SeededRandom random{3};
+    for (const float time : {0.05f, 0.3f, 0.5f, 0.75f}) {
+      const Vec3 p = in_box(random, 6), n = square_to_uniform_sphere(random.next2());
+      std::map<std::pair<const Light*, std::size_t>, int> count, by_power;
+      const int samples = 1 << 16;
+      int none = 0;
+      for (int i = 0; i < samples; ++i) {
+        const float u = (float(i) + 0.5f) / samples;
+        if (const auto c = lights.choose(p, n, u, time)) {
+          EXPECT_NEAR(c->probability, lights.probability(p, n, *c->light, c->part, time),
+                      1e-4f * c->probability);
+          ++count[{c->light, c->part}];
+        } else
+          ++none;
+        const auto c = lights.choose_by_power({u, 0.5f}, time);
+        ASSERT_TRUE(c);
+        EXPECT_NEAR(c->probability, lights.probability_by_power(*c->light, c->part, time),
+                    1e-5f * c->probability);
+        ++by_power[{c->light, c->part}];
+      }
+      double sum = 0, sum_by_power = 0;
+      for (const Light& e : scene->emitters())
+        for (std::size_t part = 0; part < e.part_count(); ++part) {
+          const double here = double(lights.probability(p, n, e, part, time)),
+                       power = double(lights.probability_by_power(e, part, time));
+          EXPECT_NEAR(count[std::pair(&e, part)], samples * here, 40);
+          EXPECT_NEAR(by_power[std::pair(&e, part)], samples * power, 40);
+          sum += here, sum_by_power += power;
+          // A light that is off is never chosen, and one that emits can be.
+          const Modulation* modulation = e.emitter->modulation();
+          const bool is_on = !modulation || modulation->at(double(time)) > 0;
+          EXPECT_EQ(power > 0, is_on);
+          EXPECT_TRUE(here == 0 || is_on);
+          if (lights.probability(p, n, e, part) > 0 && is_on) {
+            EXPECT_GT(here, 0);
+          }
+        }
+      EXPECT_NEAR(sum + double(none) / samples, 1, 1e-4);
+      EXPECT_NEAR(sum_by_power, 1, 1e-5);
+    }
+    // At the pulse, the pulsed lights have ten times the weight that they have in the mean over time.
+    double pulsed = 0, steady = 0, pulsed_mean = 0, steady_mean = 0;
+    for (const Light& e : scene->emitters()) {
+      const Modulation* modulation = e.emitter->modulation();
+      const bool is_pulsed = modulation && modulation->at(0.3) == 0;
+      if (modulation && !is_pulsed) continue;
+      (is_pulsed ? pulsed : steady) += double(lights.probability_by_power(e, 0, 0.05f));
+      (is_pulsed ? pulsed_mean : steady_mean) += double(lights.probability_by_power(e, 0));
+    }
+    EXPECT_NEAR(pulsed / steady, 10 * pulsed_mean / steady_mean, 0.01 * pulsed / steady);
+  }
+}
+
 TEST(LightSampler, ChoiceByPowerHasItsProbability) {
   SeededRandom random(6);
   const auto scene =

@@ -79,9 +79,10 @@ public:
   void see(int i, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
     if (is_black(radiance)) return;
     const PathDensity& sampled = states_[i].sampled;
-    const float other = sampled.has_light_ratio()
-                            ? counts_.light * light_density(scene_, reference(i), light, point, d)
-                            : 0.f;
+    const float other =
+        sampled.has_light_ratio()
+            ? counts_.light * light_density(scene_, reference(i), light, point, d, wavelengths(i).time)
+            : 0.f;
     path(i).result.estimate += sampled.met(radiance, other, wavelengths(i));
   }
   SegmentEmission emission(int i) {
@@ -101,7 +102,8 @@ public:
     const State& s = states_[i];
     const Spectrum estimate =
         s.density.has_light_ratio()
-            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.segment.ray.d),
+            ? s.density.met(radiance,
+                            light_density(scene_, s.from, light, point, s.segment.ray.d, wavelengths(i).time),
                             wavelengths(i))
             : s.density.contribution(radiance, wavelengths(i));
     path(i).result.estimate += estimate;

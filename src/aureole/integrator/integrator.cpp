@@ -24,7 +24,8 @@ Spectrum received(const Scene& scene, const Receiver& receiver, Path& path, Inte
                   bool go_behind) {
   const Vec3 facing = receiver.facing();
   // The estimate is added to that of the walk, so that both may use the random numbers of the first vertex.
-  const auto choice = scene.lights().choose(receiver.p, facing, get(path.samples, 0, Choice::light));
+  const auto choice =
+      scene.lights().choose(receiver.p, facing, get(path.samples, 0, Choice::light), path.wavelengths.time);
   if (!choice || !(choice->probability > 0)) return 0.f;
   if (!choice->light->is_delta() && !samples_all_lights(receiver, rays)) return 0.f;
   const auto direct = choice->light->sample_direct_facing(

@@ -24,7 +24,8 @@ public:
     float weight = 1;
     if (const Receiver* receiver = paths_[size_t(path)].receiver) {
       const float ray = receiver->pdf(d);
-      const float sampled = light_density(scene_, {receiver->p, receiver->facing()}, light, point, d);
+      const float sampled =
+          light_density(scene_, {receiver->p, receiver->facing()}, light, point, d, wavelengths(path).time);
       weight = ray / std::max(ray + sampled, std::numeric_limits<float>::min());
     }
     sum[path] += radiance * weight;

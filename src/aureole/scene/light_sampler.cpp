@@ -2,11 +2,14 @@
 #include "aureole/scene/light_sampler.h"
 
 #include <algorithm>
+#include <unordered_map>
+
+#include "aureole/modulation/modulation.h"
 
 namespace aureole {
 
 LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<double>& powers,
-                           const std::vector<double>& emitted)
+                           const std::vector<double>& emitted, const std::vector<double>& modulations)
     : first_leaf_(lights.size(), kNone), first_source_(lights.size(), kNone) {
   for (size_t i = 0; i < lights.size(); ++i) {
     if (!(emitted[i] > 0)) continue;
@@ -32,6 +35,7 @@ LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<d
       bounds.push_back(b);
     }
   }
+  if (!modulations.empty()) make_groups(lights, bounds, modulations);
   tree_ = LightTree(std::move(bounds));
   // If `focus` is zero everywhere, the tree's lights are for light tracing only, and light sampling never
   // chooses them.
@@ -45,6 +49,148 @@ LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<d
     single_ = LightChoice{parts_[0].first, parts_[0].second, 1};
   else if (!(tree_probability_ > 0) && infinite_.size() == 1)
     single_ = LightChoice{infinite_[0], 0, 1};
+}
+
+float LightSampler::Group::brightness(float time) const {
+  return modulation ? float(double(modulation->at(double(time))) / mean) : 1.f;
+}
+
+void LightSampler::make_groups(const std::vector<Light>& lights, const std::vector<EmissionBounds>& bounds,
+                               const std::vector<double>& modulations) {
+  std::vector<Group> groups(1);
+  std::unordered_map<const Modulation*, std::uint32_t> known;
+  group_of_.assign(lights.size(), 0);
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const Modulation* modulation = lights[i].emitter->modulation();
+    if (!modulation) continue;
+    const auto [at, is_new] = known.try_emplace(modulation, std::uint32_t(groups.size()));
+    if (is_new && groups.size() == kMaxGroups) at->second = 0;
+    group_of_[i] = at->second;
+    if (at->second < groups.size()) continue;
+    groups.emplace_back();
+    groups.back().modulation = modulation, groups.back().mean = modulations[i];
+  }
+  if (groups.size() == 1) return;
+  group_leaf_.resize(parts_.size());
+  std::vector<std::vector<EmissionBounds>> leaves(groups.size());
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const std::uint32_t g = group_of_[parts_[k].first->index];
+    group_leaf_[k] = groups[g].parts.size();
+    groups[g].parts.push_back(k);
+    leaves[g].push_back(bounds[k]);
+  }
+  for (std::size_t k = 0; k < sources_.size(); ++k) {
+    Group& g = groups[group_of_[sources_[k].first->index]];
+    g.sources.push_back(k);
+    g.power_sums.push_back((g.power_sums.empty() ? 0 : g.power_sums.back()) + power_sums_[k] -
+                           (k > 0 ? power_sums_[k - 1] : 0));
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) groups[g].tree = LightTree(std::move(leaves[g]));
+  groups_ = std::move(groups);
+}
+
+LightSampler::TimeWeights LightSampler::weights_at(const Vec3& p, const Vec3& n, float time) const {
+  TimeWeights w;
+  float mean = 0, present = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const float estimate = groups_[g].tree.estimate(p, n);
+    w.brightness[g] = groups_[g].brightness(time);
+    w.trees[g] = estimate * w.brightness[g];
+    mean += estimate, present += w.trees[g];
+  }
+  // All trees together have the weight 1 where they are as bright as in the mean over time, beside lights at infinity.
+  w.total = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    w.trees[g] = mean > 0 && present > 0 ? w.trees[g] / mean : 0.f;
+    w.total += w.trees[g];
+  }
+  for (const Light* light : infinite_)
+    w.total += light->sampling_weight() * w.brightness[group_of_[light->index]];
+  return w;
+}
+
+std::optional<LightChoice> LightSampler::choose_at(const Vec3& p, const Vec3& n, float u, float time) const {
+  const TimeWeights w = weights_at(p, n, time);
+  if (!(w.total > 0)) return {};
+  float at = u * w.total, rest = 0;
+  // Rounding may leave a remainder behind the last candidate, which is then chosen.
+  const Light* infinite = nullptr;
+  const Group* group = nullptr;
+  float weight = 0;
+  for (const Light* light : infinite_) {
+    const float own = light->sampling_weight() * w.brightness[group_of_[light->index]];
+    if (!(own > 0)) continue;
+    infinite = light, weight = own;
+    if (at < own) return LightChoice{light, 0, own / w.total};
+    at -= own;
+  }
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!(w.trees[g] > 0)) continue;
+    group = &groups_[g], weight = w.trees[g];
+    rest = at / weight;
+    if (at < weight) break;
+    at -= weight;
+  }
+  if (!group) return LightChoice{infinite, 0, weight / w.total};
+  const auto leaf = group->tree.choose(p, n, std::clamp(rest, 0.f, 0x1.fffffep-1f), weight / w.total);
+  if (!leaf) return {};
+  const auto& [light, part] = parts_[group->parts[leaf->leaf]];
+  return LightChoice{light, part, leaf->probability};
+}
+
+float LightSampler::probability_at(const Vec3& p, const Vec3& n, const Light& light, std::size_t part,
+                                   float time) const {
+  const std::size_t first = first_leaf_[light.index];
+  if (light.is_infinite() ? std::find(infinite_.begin(), infinite_.end(), &light) == infinite_.end()
+                          : first == kNone)
+    return 0;
+  const TimeWeights w = weights_at(p, n, time);
+  if (!(w.total > 0)) return 0;
+  const std::uint32_t g = group_of_[light.index];
+  if (light.is_infinite()) return light.sampling_weight() * w.brightness[g] / w.total;
+  return w.trees[g] > 0 ? groups_[g].tree.probability(p, n, group_leaf_[first + part], w.trees[g] / w.total)
+                        : 0.f;
+}
+
+std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u, float time) const {
+  if (groups_.empty()) return choose_by_power(u);
+  std::array<double, kMaxGroups> brightness{};
+  double total = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (!groups_[g].sources.empty()) {
+      brightness[g] = double(groups_[g].brightness(time));
+      total += brightness[g] * groups_[g].power_sums.back();
+    }
+  if (!(total > 0)) return {};
+  double at = std::min(double(u.x) + double(u.y) * 0x1p-24, 1 - 0x1p-53) * total;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    const double power = group.sources.empty() ? 0 : brightness[g] * group.power_sums.back();
+    if (!(power > 0)) continue;
+    if (at >= power) {
+      at -= power;
+      continue;
+    }
+    const std::vector<double>& sums = group.power_sums;
+    const std::size_t i =
+        std::min(std::size_t(std::upper_bound(sums.begin(), sums.end(), at / brightness[g]) - sums.begin()),
+                 sums.size() - 1);
+    const auto& [light, part] = sources_[group.sources[i]];
+    return LightChoice{light, part, float(brightness[g] * (sums[i] - (i > 0 ? sums[i - 1] : 0)) / total)};
+  }
+  return {};
+}
+
+float LightSampler::probability_by_power(const Light& light, std::size_t part, float time) const {
+  if (groups_.empty()) return probability_by_power(light, part);
+  const std::size_t first = first_source_[light.index];
+  if (first == kNone) return 0;
+  double total = 0;
+  for (const Group& g : groups_)
+    if (!g.sources.empty()) total += double(g.brightness(time)) * g.power_sums.back();
+  const std::size_t k = first + part;
+  const double power = power_sums_[k] - (k > 0 ? power_sums_[k - 1] : 0);
+  return total > 0 ? float(double(groups_[group_of_[light.index]].brightness(time)) * power / total) : 0.f;
 }
 
 std::optional<LightChoice> LightSampler::choose_among(const Vec3& p, const Vec3& n, float u) const {

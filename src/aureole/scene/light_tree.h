@@ -39,6 +39,11 @@ public:
   const EmissionBounds& leaf(std::size_t i) const { return leaves_[i]; }
   /// Whether light sampling can choose any of the leaves (`EmissionBounds::focus` > 0).
   bool can_be_connected() const { return !nodes_.empty() && nodes_[0].bounds.focus > 0; }
+  /// Estimate of the irradiance by all leaves together at the point p with normal n (zero if light may arrive from both
+  /// sides), in a unit that trees of the same scene share. Zero only where no light can reach p.
+  float estimate(const Vec3& p, const Vec3& n) const {
+    return nodes_.empty() ? 0 : importance(nodes_[0], p, n);
+  }
 
 private:
   struct Node {

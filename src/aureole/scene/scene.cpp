@@ -403,17 +403,21 @@ void Scene::weigh_lights() {
   // An emitter with sampling weight 0 is never chosen by light sampling, but BSDF sampling may hit it. Light
   // tracing has no second technique, so there such an emitter keeps its power.
   std::vector<double> emitted_powers = powers;
+  std::vector<double> modulations(emitters_.size());
   for (std::size_t i = 0; i < emitters_.size(); ++i) {
-    const double weight = emitters_[i].sampling_weight() * mean_modulation(emitters_[i]);
+    modulations[i] = mean_modulation(emitters_[i]);
+    const double weight = emitters_[i].sampling_weight() * modulations[i];
     powers[i] *= weight;
     if (weight > 0 || emitters_[i].is_delta()) emitted_powers[i] *= weight;
   }
+  const Exposure& exposure = sensor_.sensor->exposure();
+  if (exposure.is_instant() && !(exposure.readout > 0)) modulations.clear();
   run_together(
       [&] {
         wavelengths_ = std::make_unique<WavelengthDistribution>(
             choose_wavelengths(response, channel_responses(film(), grid), spectra));
       },
-      [&] { lights_ = LightSampler(emitters_, powers, emitted_powers); });
+      [&] { lights_ = LightSampler(emitters_, powers, emitted_powers, modulations); });
 }
 
 double Scene::mean_modulation(const Light& light) const {
@@ -423,7 +427,7 @@ double Scene::mean_modulation(const Light& light) const {
   const double end = exposure.close + exposure.readout;
   // Rounding of integrals must not hide a light that emits for very short times.
   constexpr double kLeast = 1e-4;
-  return std::max(kLeast, exposure.is_instant()
+  return std::max(kLeast, !(end > exposure.open)
                               ? double(modulation->at(exposure.open))
                               : modulation->integral(exposure.open, end) / (end - exposure.open));
 }

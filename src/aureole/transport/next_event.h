@@ -24,7 +24,7 @@ template <Space kSpace, class L, class Pdfs>
                                                     float u1, Vec2 u2, const Wavelengths& w,
                                                     std::uint32_t key, BasicConnection<L>& out, Pdfs&& pdfs) {
   const Vec3 facing = vertex.facing();
-  const auto choice = scene.lights().choose(vertex.p(), facing, u1);
+  const auto choice = scene.lights().choose(vertex.p(), facing, u1, w.time);
   if (!choice || !(choice->probability > 0)) return false;
   const auto direct = choice->light->sample_direct_facing(vertex.p(), facing, choice->part, u2, w);
   if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return false;
@@ -103,16 +103,16 @@ bool connect_to_emission(const Scene& scene, const BasicVertex<Space::any, L>& v
 }
 
 /// The pdf with which `connect_to_light` would have chosen `point` of a part of the light or, that being
-/// null, infinity along `d`.
+/// null, infinity along `d`, on a path of that time [s].
 inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
-                           std::size_t part, const SurfacePoint* point, const Vec3& d) {
-  return scene.lights().probability(from.p, from.facing, light, part) *
+                           std::size_t part, const SurfacePoint* point, const Vec3& d, float time) {
+  return scene.lights().probability(from.p, from.facing, light, part, time) *
          (point ? light.pdf_direct(from.p, part, *point) : light.pdf_direct_escaped(from.p, from.facing, d));
 }
 /// The pdf with which `connect_to_light` would have chosen a point that a ray has hit, or infinity.
 inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
-                           const SurfacePoint* point, const Vec3& d) {
-  return light_density(scene, from, light, point ? light.part_of(*point) : 0, point, d);
+                           const SurfacePoint* point, const Vec3& d, float time) {
+  return light_density(scene, from, light, point ? light.part_of(*point) : 0, point, d, time);
 }
 
 /// Connects the vertex at the end of a light path of throughput `beta` with the sensor, where it is seen at

@@ -82,7 +82,7 @@ private:
 inline float emission_density(const Scene& scene, const Light& light, std::size_t part,
                               const SurfacePoint* point, const Vec3& d, float time) {
   const RayDensity ray = light.pdf_ray(part, point, d, time);
-  return scene.lights().probability_by_power(light, part) * ray.position * ray.direction;
+  return scene.lights().probability_by_power(light, part, time) * ray.position * ray.direction;
 }
 
 /// The start of a light path.
@@ -91,13 +91,13 @@ struct Emission {
   EmittedRay ray;
 
   /// Pdf with which a connection from `from` would have sampled this position on the light: per solid angle,
-  /// or the mass of a delta emitter.
-  float connection_density(const Scene& scene, const LightReference& from) const {
+  /// or the mass of a delta emitter, on a path of that time [s].
+  float connection_density(const Scene& scene, const LightReference& from, float time) const {
     const Light& light = *choice.light;
-    if (light.is_delta()) return scene.lights().probability(from.p, from.facing, light, choice.part);
+    if (light.is_delta()) return scene.lights().probability(from.p, from.facing, light, choice.part, time);
     SurfacePoint point;
     point.p = ray.p, point.ng = ray.ng, point.time = ray.time;
-    return light_density(scene, from, light, choice.part, light.shape ? &point : nullptr, -ray.d);
+    return light_density(scene, from, light, choice.part, light.shape ? &point : nullptr, -ray.d, time);
   }
 };
 

@@ -495,7 +495,7 @@ PathList Walk<Self, Kind>::emerge() requires(Kind::kEmerges) {
 template <class Self, class Kind>
 auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::optional<Emitted> {
   State& s = states_[i];
-  const auto choice = scene_.lights().choose_by_power(u);
+  const auto choice = scene_.lights().choose_by_power(u, wavelengths(i).time);
   if (!choice) return {};
   SampleStream& samples = self().samples(i);
   const auto emitted = choice->light->sample_ray(choice->part, get(samples, 0, Pair::connection),

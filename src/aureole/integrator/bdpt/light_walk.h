@@ -105,7 +105,7 @@ public:
     if (s.depth == 0) {
       // The pdf of connecting to a shape is already per solid angle; the pdf of connecting to a point light
       // is not.
-      spread = s.emission.connection_density(scene_, {vertex.p(), vertex.facing()}) *
+      spread = s.emission.connection_density(scene_, {vertex.p(), vertex.facing()}, wavelengths(i).time) *
                (s.emission.ray.delta_position ? spread : 1.f);
     }
     s.arrived.arrive(!vertex.is_surface(), vertex.density_across(s.segment.ray.d), spread);

@@ -112,12 +112,13 @@ public:
     // Light that the sensor sees directly is found by light sampling at receivers alone, apart from its rays.
     if (const Receiver* receiver = path(i).receiver; s.depth == 0 && receiver) {
       if (const float pdf = receiver->pdf(d); pdf > 0)
-        all += s.density.r_l * (light_density(scene_, s.from, light, part, point, d) / pdf);
+        all +=
+            s.density.r_l * (light_density(scene_, s.from, light, part, point, d, wavelengths(i).time) / pdf);
     }
     if (s.depth > 0) {
       const float cosine = point ? std::abs(dot(point->ng, d)) : 1.f;
       all += techniques_.others(
-          s.density.r_l * light_density(scene_, s.from, light, part, point, d) +
+          s.density.r_l * light_density(scene_, s.from, light, part, point, d, wavelengths(i).time) +
           s.density.earlier *
               (emission_density(scene_, light, part, point, -d, wavelengths(i).time) * safe_inverse(cosine)));
     }

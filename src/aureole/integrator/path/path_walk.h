@@ -97,7 +97,8 @@ public:
     Path& p = path(i);
     const Spectrum estimate =
         s.density.has_light_ratio()
-            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.segment.ray.d),
+            ? s.density.met(radiance,
+                            light_density(scene_, s.from, light, point, s.segment.ray.d, p.wavelengths.time),
                             p.wavelengths)
             : s.density.contribution(radiance, p.wavelengths);
     p.result.estimate += estimate;
