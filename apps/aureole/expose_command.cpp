@@ -56,6 +56,8 @@ CameraModel camera_of(const ExposeArguments& a) {
   if (!a.efficiency.empty()) {
     char* end = nullptr;
     const double value = std::strtod(a.efficiency.c_str(), &end);
+    if (*end == 0 && !(value >= 0 && value <= 1))
+      throw Error(fmt::format("--efficiency {}: a quantum efficiency lies between 0 and 1", a.efficiency));
     c.efficiency = *end == 0 ? std::vector{EfficiencyCurve::constant(value)} : read_efficiency(a.efficiency);
   }
   check_camera(c);

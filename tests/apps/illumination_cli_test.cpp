@@ -35,7 +35,9 @@ TEST(IlluminationCommand, InterreflectionInACube) {
   std::string sign;
   row >> local >> sign >> errors[0] >> global >> sign >> errors[1] >> further >> sign >> errors[2];
   ASSERT_TRUE(row) << end.output;
+  EXPECT_LT(errors[0], 0.003 * local);
   EXPECT_LT(errors[1], 0.003 * global);
+  EXPECT_LT(errors[2], 0.003 * further);
   EXPECT_NEAR(local, 10000 / 96.0, 3 * errors[0] + 0.02);
   EXPECT_NEAR(further, 104.1667, 3 * errors[2] + 0.02);
   EXPECT_NE(end.output.find(" 50.0"), std::string::npos) << end.output;  // the share in %

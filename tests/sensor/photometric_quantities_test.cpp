@@ -309,6 +309,13 @@ TEST(PhotometricQuantities, ErrorsAreLocated) {
         "electrical power");
   fails(receiver("illuminance") + kFar + point_light(amount("8 W", "<float name='efficacy' value='-80'/>")),
         "efficacy");
+  fails(receiver("illuminance") + kFar + point_light(amount("8 W", "<float name='efficacy' value='700'/>")),
+        "683.002");
+  // A mistake is told once.
+  const std::string cold = error(receiver("illuminance") + kFar +
+                                 point_light(amount("8 lm", "<float name='color_temperature' value='-5'/>")));
+  EXPECT_NE(cold.find("color_temperature"), std::string::npos) << cold;
+  EXPECT_EQ(cold.find("blackbody"), std::string::npos) << cold;
   fails(receiver("illuminance") + kFar + point_light("<float name='color_temperature' value='3000'/>"),
         "needs an \"amount\"");
   fails(receiver("illuminance") + kFar +

@@ -421,6 +421,16 @@ TEST(PowerMap, Errors) {
                 std::string(kLamp));
   ASSERT_EQ(wide.notes.size(), 1u);
   EXPECT_NE(wide.notes[0].find("over its neighbours"), std::string::npos);
+  // Cells of a sphere differ in their areas by the sine of the polar angle; those of a rectangle are alike.
+  const auto notes_on = [](const std::string& shape) {
+    return scene("<integrator type='path'/>", "<shape type='" + shape + "'><sensor type='powermap'>" +
+                                                  film(8, 6) + "</sensor></shape>" + std::string(kLamp))
+        .notes;
+  };
+  ASSERT_EQ(notes_on("sphere").size(), 1u);
+  EXPECT_NE(notes_on("sphere")[0].find("differ in their areas by a factor of 8"), std::string::npos)
+      << notes_on("sphere")[0];
+  for (const char* even : {"rectangle", "cylinder", "cube"}) EXPECT_TRUE(notes_on(even).empty()) << even;
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A grid of receivers on a plane or on a shape.
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
 #include "aureole/shape/shape_area.h"
@@ -48,11 +52,33 @@ public:
     // Points along a side of the grid at which gaps are searched; it is finer than most gaps between the
     // charts of a texture atlas.
     constexpr int kSide = 64;
+    std::vector<std::optional<ShapeSample>> points;
     for (int i = 0; i < kSide * kSide; ++i)
-      if (area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide})) return;
-    throw Error(properties().where(),
-                "the shape has no texture coordinates in [0, 1] x [0, 1], which the cells of a power map "
-                "divide: give it some, or put the map on a plane by \"to_world\"");
+      points.push_back(
+          area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide}));
+    if (std::none_of(points.begin(), points.end(), [](const auto& s) { return s.has_value(); }))
+      throw Error(properties().where(),
+                  "the shape has no texture coordinates in [0, 1] x [0, 1], which the cells of a power map "
+                  "divide: give it some, or put the map on a plane by \"to_world\"");
+    std::vector<float> areas;  // of parallelograms between neighbours
+    for (int i = 0; i + kSide < kSide * kSide; ++i) {
+      const auto &s = points[std::size_t(i)], &right = points[std::size_t(i + 1)],
+                 &below = points[std::size_t(i + kSide)];
+      if ((i + 1) % kSide != 0 && s && right && below)
+        areas.push_back(length(cross(right->p - s->p, below->p - s->p)));
+    }
+    if (areas.size() < 100) return;
+    std::sort(areas.begin(), areas.end());
+    // Neighbours in different parts of a texture atlas are few.
+    const float least = areas[areas.size() / 20], most = areas[areas.size() - 1 - areas.size() / 20];
+    if (most > 1.1f * least)
+      properties().note(
+          "measure",
+          fmt::format(
+              "on this shape equal steps of the texture coordinates differ in their areas by a factor of {:.2g} or more: "
+              "a cell holds the mean over its texture coordinates, and means over cells are none over the area, "
+              "which an \"irradiancemeter\" measures",
+              most / std::max(least, 1e-30f)));
   }
 
   bool uses_lens() const override { return true; }
@@ -172,7 +198,8 @@ AUREOLE_PLUGIN(
             "per area [W/(m^2 nm) for a spectral film], averaged over the cell. The cells divide the "
             "square [-1, 1] x [-1, 1] of the plane z = 0 of `to_world`, x to the right and y up in the "
             "picture. As a child of a shape, they divide the texture coordinates [0, 1] x [0, 1] of its "
-            "surface instead, u to the right and v down, like a picture on the shape. The plane is not a "
+            "surface instead, u to the right and v down, like a picture on the shape; a cell then holds the mean over "
+            "its texture coordinates, and a note says where cells differ in their areas. The plane is not a "
             "surface, and light passes it unchanged; it must not coincide with surfaces. Delta emitters, "
             "such as `point`, count as well. The reconstruction filter is a box. `path` traces rays from "
             "the cells; `ptracer` and, for a plane, `bdpt` connect light paths to them. `ptracer` also "

@@ -2,6 +2,7 @@
 // The goniophotometer and the evaluation of photometric pictures, in scenes of closed form.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -75,6 +76,19 @@ TEST(Goniophotometry, AFileComesBackThroughAScene) {
         EXPECT_NEAR(back.distribution.intensity(d), cd, 3e-3 * cd + 0.5) << i << " " << j;
       }
   }
+}
+
+TEST(Goniophotometry, WidthsOfBeams) {
+  // Half of the intensity at 40 degrees in the half-planes 0 and 180, and at 30 50/70 degrees in the others; a hemisphere that ends.
+  const auto beam = [](const std::string& numbers) {
+    const LuminaireFigures f =
+        luminaire_figures(parse_luminaire("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 " + numbers, "beam.ies"));
+    return std::array{f.beam[0], f.beam[1]};
+  };
+  const auto two = beam("4 2 1 2 0 0 0 1 1 1 0 30 50 90 0 90 100 75 25 0 100 30 10 0");
+  EXPECT_NEAR(two[0], 80, 1e-5);
+  EXPECT_NEAR(two[1], 2 * 30 * 50 / 70.0, 1e-5);
+  EXPECT_NEAR(beam("2 1 1 2 0 0 0 1 1 1 0 90 0 100 100")[0], 180, 1e-5);
 }
 
 TEST(Goniophotometry, LightFromAMirrorIsFound) {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "aureole/core/error.h"
+#include "aureole/instrument/lens/lens_figures.h"
 #include "harness/paths.h"
 
 namespace aureole::test {
@@ -105,6 +106,21 @@ TEST(LensFile, SequentialSurfacesOfZmx) {
   ASSERT_EQ(unknown.notes.size(), 1u);
   EXPECT_NE(unknown.notes[0].find("H-QK3"), std::string::npos);
   EXPECT_NEAR(unknown.glasses[0].index(587.5618), 1.5168, 1e-9);
+}
+
+TEST(LensFile, LensesThatPassNoLight) {
+  // An asphere that throws all light aside, and a surface before the one that precedes it.
+  const LensPrescription aside = parsed("50 3 bk7 20 a4=1e9\n-50 50 air 20 stop\n");
+  try {
+    measure_lens(aside, {});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.where().file.str(), "my.lens") << e.what();
+    EXPECT_NE(std::string(e.what()).find("no light passes"), std::string::npos) << e.what();
+  }
+  const LensPrescription back = parsed("50 -3 bk7 20\n-50 50 air 20 stop\n");
+  ASSERT_EQ(back.notes.size(), 1u);
+  EXPECT_EQ(back.notes[0], "my.lens: the vertex of surface 2 lies 3 mm before that of surface 1");
 }
 
 TEST(LensFile, MistakesHaveTheirPlace) {

@@ -89,8 +89,8 @@ std::vector<ParameterDoc> with_amount_parameters(std::vector<ParameterDoc> rows,
                   meaning + "; the spectrum then gives only the relative distribution over wavelengths"});
   rows.push_back(
       {"efficacy", "float", "lm/W", "none",
-       "luminous efficacy, with an amount in W: that is the electrical power, and the luminous flux is their "
-       "product"});
+       "luminous efficacy, at most 683.002, with an amount in W: that is the electrical power, and the luminous flux is "
+       "their product"});
   rows.push_back(
       {"color_temperature", "float", "K", "none",
        "with an amount, instead of the spectrum: the spectrum of a black body of this temperature"});
@@ -113,14 +113,15 @@ Emission::Emission(const Properties& p, std::string_view name) : properties_(p),
   } else {
     p.find("amount");
   }
-  const double efficacy = p.get_float("efficacy", 1, Range::positive());
+  // No light has a higher efficacy than that of 555 nm.
+  const double efficacy = p.get_float("efficacy", 1, Range{0, kPhotopicEfficacy, true});
   if (p.has("efficacy")) {
     if (!amount_ || amount_->quantity != Quantity::flux || amount_->is_photometric)
       throw p.error("efficacy", "is that of an amount in W, the electrical power");
     amount_->value *= efficacy;
     amount_->is_photometric = true;
   }
-  const double kelvin = p.get_float("color_temperature", 0, Range{100, 1e6});
+  const double kelvin = p.get_float("color_temperature", 6500, Range{100, 1e6});
   if (p.has("color_temperature")) {
     if (p.has(name))
       throw p.error("color_temperature", "give either \"color_temperature\" or \"" + name_ + "\"");

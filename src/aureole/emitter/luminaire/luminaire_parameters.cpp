@@ -35,7 +35,7 @@ TexturePtr relative_spectrum(const Properties& p) {
   if (p.has("spectrum"))
     throw p.error("color_temperature", "give either \"color_temperature\" or \"spectrum\"");
   p.find("spectrum");
-  const double kelvin = p.get_float("color_temperature", Range{100, 1e6});
+  const double kelvin = p.get_float("color_temperature", 6500, Range{100, 1e6});
   return std::dynamic_pointer_cast<const Texture>(
       make_object(p, "texture", "blackbody", {{"temperature", Properties::Value(kelvin)}}));
 }
@@ -71,7 +71,7 @@ LuminaireLight get_luminaire(const Properties& p) {
            "the luminaire emits more than its lamps do: the intensities or the flux of the lamps are wrong");
 
   double factor = p.get_float("scale", 1, Range::positive());
-  const double flux = p.get_float("flux", 0, Range::positive());
+  const double flux = p.get_float("flux", balance.flux, Range::positive());
   if (p.has("flux")) factor *= flux / balance.flux;
   const double tilt = p.get_float("tilt_angle", 0, {-180, 180});
   if (!luminaire.tilt.angles.empty())

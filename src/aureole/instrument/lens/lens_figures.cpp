@@ -9,8 +9,9 @@
 #include "aureole/core/error.h"
 
 namespace aureole {
+namespace {
 
-LensFigures measure_lens(const LensPrescription& lens, const LensSettings& settings) {
+LensFigures figures_of_lens(const LensPrescription& lens, const LensSettings& settings) {
   optics::LensSystem system(lens.surfaces);
   const std::vector<double> at_d = lens.indices(kHeliumLine);
   const optics::ParaxialLens open = system.paraxial(at_d);
@@ -68,6 +69,16 @@ LensFigures measure_lens(const LensPrescription& lens, const LensSettings& setti
   f.cutoff = 1 / (kHeliumLine * 1e-6 * p.f_number());
   f.airy_radius = 1.21966989 * kHeliumLine * 1e-3 * p.f_number();
   return f;
+}
+
+}  // namespace
+
+LensFigures measure_lens(const LensPrescription& lens, const LensSettings& settings) {
+  try {
+    return figures_of_lens(lens, settings);
+  } catch (const std::domain_error& e) {
+    throw Error({lens.file.string(), 0, 0}, e.what());
+  }
 }
 
 }  // namespace aureole

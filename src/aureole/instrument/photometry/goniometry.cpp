@@ -94,7 +94,12 @@ LuminaireFigures luminaire_figures(const Luminaire& luminaire) {
       double gamma = 0;
       while (gamma <= 180 && d.at(c, gamma) >= half) gamma += kStep;
       if (gamma > 180) width = NAN;
-      width += gamma;
+      double inside = std::max(gamma - kStep, 0.0), outside = gamma;
+      while (outside - inside > 1e-6) {
+        const double middle = 0.5 * (inside + outside);
+        (d.at(c, middle) >= half ? inside : outside) = middle;
+      }
+      width += inside;
     }
     f.beam[plane] = std::isfinite(width) && half > 0 ? width : 0;
   }

@@ -354,7 +354,12 @@ LensPrescription parse_lens(std::string text, const std::filesystem::path& file)
   const std::string utf8 = pigment::utf8_text(std::move(text), &notes);
   const bool is_zmx = utf8.starts_with("SURF ") || utf8.find("\nSURF ") != utf8.npos;
   LensPrescription lens = is_zmx ? read_zmx(utf8, file) : read_lens_table(utf8, file);
+  lens.file = file;
   lens.notes.insert(lens.notes.begin(), notes.begin(), notes.end());
+  for (std::size_t i = 0; i + 1 < lens.surfaces.size(); ++i)
+    if (lens.surfaces[i].thickness < 0)
+      lens.notes.push_back(fmt::format("{}: the vertex of surface {} lies {:g} mm before that of surface {}",
+                                       file.string(), i + 2, -lens.surfaces[i].thickness, i + 1));
   try {
     optics::LensSystem(lens.surfaces).paraxial(lens.indices(587.56));
   } catch (const std::domain_error& e) {

@@ -41,6 +41,7 @@ private:
 
 struct LensPrescription {
   std::string name;
+  std::filesystem::path file;  ///< from which it was read
   std::vector<optics::LensSurface> surfaces;
   std::vector<LensGlass> glasses;  ///< behind each surface
   std::vector<std::string> notes;  ///< what was read otherwise than the file says, for the user
