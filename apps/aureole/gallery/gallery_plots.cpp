@@ -310,8 +310,10 @@ std::filesystem::path file_of(const GalleryPlot& plot, const char* name) {
   return plot.folder / plot.parameters.at(name).get<std::string>();
 }
 LightEffort effort_of(const GalleryPlot& plot, GallerySize size) {
-  return size == kFullSize ? LightEffort{1, std::int64_t(number(plot, "spp"))}
-                           : LightEffort{int(number(plot, "preview_divisor")), 16};
+  const auto spp = std::int64_t(number(plot, "spp"));
+  return size == kFullSize
+             ? LightEffort{1, spp}
+             : LightEffort{int(number(plot, "preview_divisor")), std::max<std::int64_t>(16, spp / 4)};
 }
 void plot_light_photometry(const GalleryPlot& plot, GallerySize size, Output& out) {
   out.picture(measured_picture(file_of(plot, "scene"), numbers(plot, "isolines"), number(plot, "threshold"),

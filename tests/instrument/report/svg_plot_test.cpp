@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <regex>
 
 namespace aureole::test {
@@ -47,6 +48,31 @@ TEST(SvgPlot, LegendNamesWhatHasALabelInItsColor) {
   EXPECT_EQ(count(svg, ">dots<"), 1);
   EXPECT_EQ(count(svg, "#123456"), 2) << "the line and its sample";
   EXPECT_EQ(count(svg, "<circle"), 3) << "two points and their sample";
+}
+
+TEST(SvgPlot, LegendKeepsClearOfCurves) {
+  const auto symbol = [](const std::string& svg) {
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(svg, found, std::regex("<path d=\"M([0-9.]+) ([0-9.]+)h18")));
+    return std::pair(std::stod(found[1]), std::stod(found[2]));
+  };
+  // A curve in the upper corners and one that falls: the lower left corner is free.
+  PlotSeries constant, falling;
+  for (int x = 0; x <= 9; ++x) {
+    constant.x.push_back(x), constant.y.push_back(9);
+    falling.x.push_back(x), falling.y.push_back(9 - x);
+  }
+  falling.label = "falls in 10 m^2 nm^-1";
+  const std::string one = svg_plot({"t", "x", "y", {constant, falling}});
+  EXPECT_LT(symbol(one).first, 200);
+  EXPECT_GT(symbol(one).second, 300);
+  EXPECT_EQ(count(one, "10 m\u00b2 nm\u207b\u00b9<"), 1) << one;
+  // Curves in all corners: the legend stands above all of them.
+  PlotSeries rising = falling;
+  for (double& y : rising.y) y = 9 - y;
+  const std::string both = svg_plot({"t", "x", "y", {falling, rising}});
+  const std::vector<double> y = line_y(both);
+  EXPECT_LT(symbol(both).second + 18 + 5, *std::min_element(y.begin(), y.end()));
 }
 
 }  // namespace

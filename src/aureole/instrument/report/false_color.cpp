@@ -164,8 +164,28 @@ Image false_color_picture(std::span<const double> values, int width, int height,
     const cv::Vec3b c = colors.at<cv::Vec3b>(0, at);
     cv::line(picture, {left, kTop + y}, {left + kBar, kTop + y}, cv::Scalar(c[0], c[1], c[2]));
   }
+  // White lines across the scale are the values of the contour lines.
+  for (const double level : scale.contours)
+    if (const double at = position(scale, level); at > 0 && at < 1) {
+      const int y = kTop + int((1 - at) * (map_height - 1));
+      cv::line(picture, {left, y}, {left + kBar, y}, cv::Scalar(255, 255, 255));
+    }
+  const auto write_run = [&](const std::string& text, int& x, int y, double size) {
+    cv::putText(picture, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
+    int baseline = 0;
+    x += cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &baseline).width;
+  };
+  // Powers such as "m^2" get raised digits.
   const auto write = [&](const std::string& text, int x, int y) {
-    cv::putText(picture, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
+    constexpr double kSize = 0.42, kRaised = 0.3;
+    for (std::size_t i = 0; i < text.size();) {
+      const std::size_t power = std::min(text.find('^', i), text.size());
+      write_run(text.substr(i, power - i), x, y, kSize);
+      if (power == text.size()) break;
+      const std::size_t end = std::min(text.find_first_not_of("-0123456789", power + 1), text.size());
+      write_run(text.substr(power + 1, end - power - 1), x, y - 5, kRaised);
+      i = end;
+    }
   };
   for (const double label : scale_labels(scale)) {
     const int y = kTop + int((1 - position(scale, label)) * (map_height - 1));

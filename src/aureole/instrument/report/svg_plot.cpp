@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace aureole {
@@ -53,10 +54,22 @@ std::string color_of(const PlotSeries& s) {
   return !s.color.empty() ? s.color : s.kind == PlotSeries::Kind::points ? "#b0413e" : "#2b5d8f";
 }
 
+/// Text of an SVG; powers such as "m^2" and "nm^-1" get raised digits.
 std::string escaped(const std::string& text) {
+  constexpr const char* kRaised[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                     "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  const auto is_digit = [&](size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
   std::string out;
-  for (const char c : text)
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool is_negative = c == '^' && i + 1 < text.size() && text[i + 1] == '-';
+    if (c == '^' && is_digit(i + 1 + is_negative)) {
+      if (is_negative) out += "\u207b", ++i;
+      for (; is_digit(i + 1); ++i) out += kRaised[text[i + 1] - '0'];
+      continue;
+    }
     out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  }
   return out;
 }
 
@@ -117,19 +130,101 @@ int legend_width(const Plot& plot) {
   return named > kMaxWithin ? 160 : 0;
 }
 
-/// Adds the legend; `width` is the whole picture's width.
-void add_legend(std::string& out, const Plot& plot, int width) {
-  const double x = width - kRight - 12;
-  double y = kTop + 8;
+/// A rectangle of the picture [px], y down.
+struct Box {
+  double left, top, right, bottom;
+  /// Whether any point of a segment lies inside; false where a coordinate is not finite.
+  bool is_crossed(double x0, double y0, double x1, double y1) const {
+    // Liang & Barsky 1984: the part of the segment between each pair of parallel edges.
+    double near = 0, far = 1;
+    for (const auto& [from, along, low, high] :
+         {std::array{x0, x1 - x0, left, right}, {y0, y1 - y0, top, bottom}}) {
+      if (!std::isfinite(from) || !std::isfinite(along)) return false;
+      if (along == 0 && (from < low || from > high)) return false;
+      if (along == 0) continue;
+      const double a = (low - from) / along, b = (high - from) / along;
+      near = std::max(near, std::min(a, b)), far = std::min(far, std::max(a, b));
+    }
+    return near <= far;
+  }
+};
+
+/// Whether a curve, a point, an error bar or a bar lies in the box.
+bool is_drawn_in(const Plot& plot, const Axes& a, const Box& box) {
+  for (const PlotSeries& s : plot.series)
+    for (size_t i = 0; i < s.x.size(); ++i) {
+      const double x = a.px(s.x[i]), y = a.py(s.y[i]);
+      if (!s.low.empty() && box.is_crossed(x, a.py(s.low[i]), x, a.py(s.high[i]))) return true;
+      if (s.kind == PlotSeries::Kind::points && box.is_crossed(x, y, x, y)) return true;
+      if (s.kind == PlotSeries::Kind::line && i > 0 &&
+          box.is_crossed(a.px(s.x[i - 1]), a.py(s.y[i - 1]), x, y))
+        return true;
+      if (s.kind != PlotSeries::Kind::bars) continue;
+      const double half = 0.5 * (a.px(s.bar_width) - a.px(0));
+      if (x + half > box.left && x - half < box.right && y < box.bottom) return true;
+    }
+  return false;
+}
+
+/// Lines of a legend, and where it stands.
+struct Legend {
+  static constexpr double kLine = 18;  ///< height of an entry [px]
+  double width = 0, height = 0;        ///< of all entries, with a margin [px]
+  double x = 0, y = 0;                 ///< end at which the symbols are; middle of the first entry
+  bool is_left = false;                ///< the symbols stand before the text
+
+  /// Finds a corner of the axes without curves, of which the upper right one is the first choice. False if there is none.
+  bool fit(const Plot& plot, const Axes& a) {
+    constexpr double kMargin = 6;
+    for (const bool is_low : {false, true})
+      for (const bool left : {false, true}) {
+        const double right_end = kWidth - kRight - 12, left_end = kLeft + 16;
+        x = left ? left_end : right_end, is_left = left;
+        y = is_low ? kHeight - kBottom - 8 - height + 0.5 * kLine : kTop + 8;
+        const double from = left ? x : x - width, top = y - 0.5 * kLine;
+        if (!is_drawn_in(plot, a,
+                         {from - kMargin, top - kMargin, from + width + kMargin, top + height + kMargin}))
+          return true;
+      }
+    return false;
+  }
+};
+
+Legend legend_of(const Plot& plot) {
+  Legend l;
+  for (const PlotSeries& s : plot.series) {
+    if (s.label.empty()) continue;
+    constexpr double kCharacter = 6.8;  // mean width of a character at 12 px
+    l.width = std::max(l.width, 26 + kCharacter * double(s.label.size()));
+    l.height += Legend::kLine;
+  }
+  return l;
+}
+
+/// The legend in a free corner. Where there is none, the y axis is prolonged until the legend fits above all curves.
+Legend place_legend(const Plot& plot, Axes& a) {
+  Legend l = legend_of(plot);
+  if (l.height == 0 || l.fit(plot, a)) return l;
+  const double height = kHeight - kTop - kBottom, free = l.height + 16;
+  a.y1 = a.y0 + (a.y1 - a.y0) * height / (height - free);
+  if (plot.logarithmic) a.y1 = std::ceil(a.y1);
+  l.fit(plot, a);
+  return l;
+}
+
+void add_legend(std::string& out, const Plot& plot, const Legend& l) {
+  double y = l.y;
+  const double side = l.is_left ? 1 : -1;
   for (const PlotSeries& s : plot.series) {
     if (s.label.empty()) continue;
     out +=
         s.kind == PlotSeries::Kind::points
-            ? fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>", x - 9, y, color_of(s))
-            : fmt::format("<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"2\"/>", x - 18, y, color_of(s));
-    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", x - 26, y + 4,
-                       escaped(s.label));
-    y += 18;
+            ? fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>", l.x + 9 * side, y, color_of(s))
+            : fmt::format("<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"2\"/>",
+                          l.is_left ? l.x : l.x - 18, y, color_of(s));
+    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>\n", l.x + 26 * side, y + 4,
+                       l.is_left ? "start" : "end", escaped(s.label));
+    y += Legend::kLine;
   }
 }
 
@@ -144,8 +239,13 @@ double round_step(double low, double high, int count) {
 
 std::string svg_plot(const Plot& given) {
   const Plot plot = given.logarithmic ? logarithms(given) : given;
-  const Axes a = fit_axes(plot);
-  const int width = kWidth + legend_width(plot);
+  Axes a = fit_axes(plot);
+  const int beside = legend_width(plot), width = kWidth + beside;
+  Legend legend;
+  if (beside > 0)
+    legend.x = width - kRight - 12, legend.y = kTop + 8;
+  else
+    legend = place_legend(plot, a);
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
@@ -156,7 +256,7 @@ std::string svg_plot(const Plot& given) {
   out += fmt::format("<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"black\"/>\n", kLeft, kTop,
                      kHeight - kBottom, kWidth - kRight);
   add_ticks(out, a, plot.logarithmic);
-  add_legend(out, plot, width);
+  add_legend(out, plot, legend);
   out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                      (kLeft + kWidth - kRight) / 2, kHeight - 12, escaped(plot.x_label));
   out += fmt::format(
