@@ -72,7 +72,7 @@ void VolumeLighting::visit_lights(const Vec3& p, bool shadows, const Visit& visi
     if (all) {
       choice.light = &scene_.emitters()[k];
     } else {
-      const auto chosen = scene_.lights().choose(p, {}, random_.next());
+      const auto chosen = scene_.lights().choose(p, {}, random_.next(), path_.wavelengths.time);
       if (!chosen || !(chosen->probability > 0)) continue;
       choice = *chosen;
     }
