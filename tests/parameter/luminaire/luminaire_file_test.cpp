@@ -338,9 +338,14 @@ TEST(LuminaireFiles, ErrorsSayWhereAndWhat) {
   fails("no lamp\nat all\n", "2:1", "TILT=");
   fails("", "1:1", "empty");
   fails(ldt(2, {0, 90, 180}, {1, 1, 1}), "", "that 2 divides");
-  fails(ldt(4, {0, 45, 180, 270}, {1, 1, 1, 1, 1, 1}), "", "C = 90");
   fails(ldt(0, {0, 90, 180, 270}, {1, 1, 1}), "", "ends where an intensity");
-  fails(ldt(1, {0}, {1, -1, 1}), "", "0 cd/klm or more");
+  // Errors of EULUMDAT have the line of their number.
+  fails(ldt(1, {0}, {1, -1, 1}), "48:1", "0 cd/klm or more");
+  fails(ldt(1, {0}, {1, 1, 1e30}), "49:1", "too large");
+  fails(ldt(0, {0, 180, 90, 270}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}), "45:1", "must increase");
+  fails(ldt(0, {0, 90, 180, 400}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}), "46:1", "between 0 and 360");
+  fails(ldt(4, {0, 45, 180, 270}, {1, 1, 1, 1, 1, 1}), "44:1", "C = 90");
+  fails(ldt(1, {0}, {1, 1, 1}, "1\n1\nlamp\n0\n4000\n1B\n20\n"), "29:1", "no flux");
   // A wrong conversion factor.
   fails(ldt(1, {0}, {1, 1, 1}, "1\n1\nlamp\n2000\n4000\n1B\n20\n", "-1"), "24:1", "conversion factor");
 }

@@ -58,18 +58,25 @@ public:
                               shown_number(value)));
     return std::size_t(value);
   }
-  std::vector<double> list(std::size_t count, const std::string& meaning) {
+  /// Reads numbers. `at` takes the line of each.
+  std::vector<double> list(std::size_t count, const std::string& meaning, std::vector<int>* at = nullptr) {
     // Bound of the count: each number takes a line, so that memory is bounded by the size of the file.
     if (count > text_.size() - std::min(at_, text_.size()) + 1)
       throw error(fmt::format("the file is too short for {} numbers ({})", count, meaning));
     std::vector<double> all(count);
-    for (double& x : all) x = number(meaning);
+    for (double& x : all) {
+      x = number(meaning);
+      if (at) at->push_back(number_);
+    }
     return all;
   }
   bool ends() const {
     return text_.find_first_not_of(" \t\r\n\x1a", std::min(at_, text_.size())) == text_.npos;
   }
-  Error error(const std::string& message) const { return fault(file_, number_, 1, message); }
+  /// Number of the line that was read last.
+  int line() const { return number_; }
+  Error error(const std::string& message) const { return error(number_, message); }
+  Error error(int line, const std::string& message) const { return fault(file_, line, 1, message); }
 
 private:
   std::string_view text_;
@@ -147,16 +154,19 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
     lines.number(name);
   LuminousOpening opening;
   constexpr double kMillimetre = 1e-3;
-  const double length = lines.non_negative("the length of the luminous area"),
-               width = lines.non_negative("the width of the luminous area");
+  const auto size = [&](const std::string& name) {
+    const double mm = lines.non_negative(name);
+    if (!(mm < 1e7)) throw lines.error(fmt::format("{} of {:g} m is too large", name, mm * kMillimetre));
+    return mm;
+  };
+  const double length = size("the length of the luminous area"),
+               width = size("the width of the luminous area");
   double height = 0;
   for (const char* plane : {"C0", "C90", "C180", "C270"})
-    height = std::max(height, lines.non_negative(std::string("the height of the luminous area in ") + plane));
+    height = std::max(height, size(std::string("the height of the luminous area in ") + plane));
   opening.size_m = {length * kMillimetre, width * kMillimetre, height * kMillimetre};
   if (width == 0 && length > 0)
     opening.shape = LuminousOpening::Shape::cylinder, opening.size_m[1] = opening.size_m[0];
-  for (const double size : opening.size_m)
-    if (!(size < 1e4)) throw lines.error(fmt::format("the luminous area of {:g} m is too large", size));
   const double downward = lines.non_negative("the downward flux fraction") / 100,
                output_ratio = lines.non_negative("the light output ratio") / 100;
   double conversion = lines.number("the conversion factor");
@@ -173,6 +183,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   const std::size_t sets = lines.whole("the number of sets of lamps", 1, 1000);
   std::vector<LampSet> lamps;
   bool is_absolute = false;
+  int flux_line = 0;
   for (std::size_t i = 0; i < sets; ++i) {
     LampSet& set = lamps.emplace_back();
     set.count = lines.number("the number of lamps");
@@ -180,6 +191,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
     set.count = std::abs(set.count);
     set.type = lines.text("the type of the lamps");
     set.flux = lines.non_negative("the flux of the lamps");
+    if (i == options.lamp_set) flux_line = lines.line();
     set.colour = lines.text("the colour of the lamps");
     set.rendering = lines.text("the colour rendering of the lamps");
     set.watts = lines.non_negative("the power of the lamps");
@@ -190,6 +202,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   const double flux = lamps[options.lamp_set].flux;
   if (!(flux > 0))
     throw lines.error(
+        flux_line,
         "the file states no flux of its lamps, to which the intensities refer: give \"lamp_flux\"");
   if (sets > 1) {
     std::string all;
@@ -201,35 +214,40 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   lines.list(kRoomIndices, "direct ratios");
 
   MeasuredTable table;
-  table.horizontal = lines.list(planes, "angles C");
-  table.vertical = lines.list(rows, "angles gamma");
-  const auto check = [&](const std::vector<double>& angles, double max, const char* name) {
+  std::vector<int> horizontal_lines, vertical_lines, candela_lines;
+  table.horizontal = lines.list(planes, "angles C", &horizontal_lines);
+  table.vertical = lines.list(rows, "angles gamma", &vertical_lines);
+  const auto check = [&](const std::vector<double>& angles, const std::vector<int>& at, double max,
+                         const char* name) {
     for (std::size_t i = 0; i < angles.size(); ++i) {
       if (!(angles[i] >= 0 && angles[i] <= max))
-        throw lines.error(
-            fmt::format("the angle {} of {:g} is not between 0 and {:g} degrees", name, angles[i], max));
+        throw lines.error(at[i], fmt::format("the angle {} of {:g} is not between 0 and {:g} degrees", name,
+                                             angles[i], max));
       if (i > 0 && !(angles[i] > angles[i - 1]))
-        throw lines.error(
-            fmt::format("the angles {} must increase: {:g} follows {:g}", name, angles[i], angles[i - 1]));
+        throw lines.error(at[i], fmt::format("the angles {} must increase: {:g} follows {:g}", name,
+                                             angles[i], angles[i - 1]));
     }
   };
-  check(table.vertical, 180, "gamma");
+  check(table.vertical, vertical_lines, 180, "gamma");
   const auto [first, stored] = stored_half_planes(symmetry, planes, lines);
-  if (symmetry != 1) check(table.horizontal, 360, "C");
+  if (symmetry != 1) check(table.horizontal, horizontal_lines, 360, "C");
   if (stored > (text.size() / rows) + 1)
     throw lines.error(fmt::format("the file is too short for {} x {} intensities", stored, rows));
-  table.candela = lines.list(stored * rows, "an intensity");
-  for (double& cd : table.candela) {
-    if (cd < 0) throw lines.error("expected intensities of 0 cd/klm or more, got " + shown_number(cd));
+  table.candela = lines.list(stored * rows, "an intensity", &candela_lines);
+  for (std::size_t i = 0; i < table.candela.size(); ++i) {
+    double& cd = table.candela[i];
+    const int at = candela_lines[i];
+    if (cd < 0) throw lines.error(at, "expected intensities of 0 cd/klm or more, got " + shown_number(cd));
     cd *= conversion * flux / 1000;
-    if (!(cd < 1e15)) throw lines.error(fmt::format("the intensity of {:g} cd is too large", cd));
+    if (!(cd < 1e15)) throw lines.error(at, fmt::format("the intensity of {:g} cd is too large", cd));
   }
   if (!lines.ends()) notes.push_back("the file goes on behind its last intensity; that is ignored");
 
   const auto expect = [&](std::size_t plane, double angle) {
     const double c = table.horizontal[plane];
     if (std::abs(c - angle) > 1e-3)
-      throw lines.error(fmt::format("symmetry {} needs the half-plane C = {:g}; in its place is C = {:g}",
+      throw lines.error(horizontal_lines[plane],
+                        fmt::format("symmetry {} needs the half-plane C = {:g}; in its place is C = {:g}",
                                     symmetry, angle, c));
     table.horizontal[plane] = angle;
   };
