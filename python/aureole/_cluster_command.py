@@ -8,6 +8,7 @@ import contextlib
 import importlib
 import os
 import sys
+import threading
 import time
 from typing import Any, Callable, Iterator, Optional, Sequence
 
@@ -100,17 +101,32 @@ def _client(a: Any) -> Iterator[Any]:
             )
             client = stack.enter_context(distributed.Client(local))
         elif os.path.exists(a.scheduler):
-            client = stack.enter_context(distributed.Client(scheduler_file=a.scheduler, timeout=120))
+            with _told(f"waiting for the scheduler of {a.scheduler}, two minutes at most", a.quiet):
+                client = stack.enter_context(distributed.Client(scheduler_file=a.scheduler, timeout=120))
         else:
             try:
-                client = stack.enter_context(distributed.Client(a.scheduler, timeout=120))
+                with _told(f"waiting for the scheduler {a.scheduler}, two minutes at most", a.quiet):
+                    client = stack.enter_context(distributed.Client(a.scheduler, timeout=120))
             except (OSError, ValueError) as e:
                 raise Error(f"--scheduler {a.scheduler}: {e}") from None
         try:
-            client.wait_for_workers(a.local or a.wait, timeout=600)
+            with _told(f"waiting for workers ({a.local or a.wait}), ten minutes at most", a.quiet):
+                client.wait_for_workers(a.local or a.wait, timeout=600)
         except Exception as e:  # Dask's kind of TimeoutError differs with its version
             raise Error(f"the workers are not there: {e}") from None
         yield client
+
+
+@contextlib.contextmanager
+def _told(text: str, is_quiet: bool, after_s: float = 3.0) -> Iterator[None]:
+    """Prints a note unless the block ends within `after_s`."""
+    timer = threading.Timer(after_s, lambda: is_quiet or print(f"note: {text}", file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 class Line:

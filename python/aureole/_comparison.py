@@ -8,12 +8,16 @@ import os
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
+import numpy as np
+
 from . import _aureole
-from ._arrays import file_path
+from ._arrays import file_path, integer, shown
 from ._errors import Error
-from ._image import Image
+from ._image import Image, read_image
 from ._instrument_support import Picture, Words, axes_or_new, defines_of, picture_of, tell
+from ._render import render
 from ._results import Table
+from ._scene import load_file
 
 
 @dataclass(frozen=True)
@@ -139,22 +143,28 @@ def compare(a: Picture, b: Picture) -> Comparison:
     return Comparison([LayerDifference(**layer) for layer in layers], None if z_map is None else Image._of(z_map))
 
 
-@dataclass(frozen=True)
-class FileInfo:
+@dataclass(frozen=True, eq=False)
+class FileInfo(Table):
     """Result of `info`. ``print`` shows the text; ``found["size"]`` is the line of that label.
 
     Attributes
     ----------
-    kind : {"scene", "picture", "volume", "splats", "state"}
+    kind : {"scene", "picture", "volume", "splats", "radiance grid", "state"}
     rows : list of (str, str)
         Label and text of each line; lines that go on with the one above have its label.
     text : str
         As `aureole info` prints it.
+    path : str
+        The file.
+    defines : dict
+        Values of a scene's $names.
     """
 
     kind: str
     rows: List[Tuple[str, str]] = field(repr=False)
     text: str = field(repr=False)
+    path: str
+    defines: Dict[str, Any] = field(repr=False)
 
     def __getitem__(self, label: str) -> str:
         lines = [line for name, line in self.rows if name == label]
@@ -165,12 +175,87 @@ class FileInfo:
     def __str__(self) -> str:
         return self.text
 
+    def columns(self) -> Dict[str, Any]:
+        """Label and text of each line."""
+        return {"label": [name for name, _ in self.rows], "text": [line for _, line in self.rows]}
+
     def _repr_html_(self) -> str:
         return (
             "<table>"
             + "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(line)}</td></tr>" for name, line in self.rows)
             + "</table>"
         )
+
+    def plot(self, ax: Any = None, *, exposure: float = 0.0, spp: int = 4, axis: str = "z", points: int = 20_000) -> Any:
+        """The content of the file, which is read again.
+
+        A picture, and the picture of a state file so far, as a display shows them; channels without colours by the first one.
+        A scene is rendered. Of a volume or radiance grid the slice in its middle is shown; of splats their centres, seen along an axis,
+        with the opacities and with the mean of the colours over all directions.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        exposure : float
+            Of pictures and scenes, in stops.
+        spp : int
+            Samples per pixel of a scene.
+        axis : {"x", "y", "z"}
+            Of volumes, radiance grids and splats: the direction across the slice, or along which the centres are seen.
+        points : int
+            The largest number of centres that are shown, at equal steps of their order in the file.
+
+        Returns
+        -------
+        matplotlib Axes
+        """
+        if axis not in ("x", "y", "z"):
+            raise Error(f'axis: expected "x", "y" or "z", got {shown(axis)}')
+        spp = integer("spp", spp, minimum=1, maximum=2**20)
+        points = integer("points", points, minimum=1, maximum=10**7)
+        axes = axes_or_new(ax)
+        if self.kind in ("volume", "radiance grid"):
+            _plot_slice(axes, self.path, self.kind, axis)
+        elif self.kind == "splats":
+            _plot_centres(axes, self.path, axis, points)
+        else:
+            image = (
+                render(load_file(self.path, **self.defines), spp)
+                if self.kind == "scene"
+                else Image._of(_aureole.state_picture(self.path)) if self.kind == "state" else read_image(self.path)
+            )
+            _plot_picture(axes, image, exposure)
+        axes.set_title(os.path.basename(self.path))
+        return axes
+
+
+def _plot_picture(axes: Any, image: Image, exposure: float) -> None:
+    if {"R", "G", "B"} <= set(image.channels) or "Y" in image.channels:
+        axes.imshow(image.tonemap(exposure))
+    else:
+        axes.figure.colorbar(axes.imshow(image.array[..., 0]), ax=axes, label=image.channels[0])
+    axes.set_axis_off()
+
+
+def _plot_slice(axes: Any, path: str, kind: str, axis: str) -> None:
+    values, across, up, index, count = _aureole.grid_slice(path, kind == "radiance grid", "xyz".index(axis))
+    drawn = axes.imshow(values, origin="lower", aspect=up / across, cmap="gray", interpolation="nearest")
+    label = "density" if kind == "radiance grid" else "value"
+    axes.figure.colorbar(drawn, ax=axes, label=f"{label} in the slice {index} of {count} along {axis}")
+    first, second = (name for name in "xyz" if name != axis)
+    axes.set_xlabel(f"voxel along {first}")
+    axes.set_ylabel(f"voxel along {second}")
+
+
+def _plot_centres(axes: Any, path: str, axis: str, points: int) -> None:
+    positions, colours, count = _aureole.splat_points(path, points)
+    depth = "xyz".index(axis)
+    across, up = (k for k in range(3) if k != depth)
+    order = np.argsort(positions[:, depth])  # the nearest to the viewer, who is at the positive end, is drawn last
+    axes.scatter(positions[order, across], positions[order, up], s=2, c=np.clip(colours[order], 0, 1), linewidths=0)
+    axes.set_aspect("equal")
+    axes.set_xlabel(f"{'xyz'[across]} ({len(positions)} of {count} centres)")
+    axes.set_ylabel("xyz"[up])
 
 
 def info(path: "str | os.PathLike[str]", defines: Optional[Mapping[str, Any]] = None) -> FileInfo:
@@ -193,7 +278,7 @@ def info(path: "str | os.PathLike[str]", defines: Optional[Mapping[str, Any]] = 
     for line in described.splitlines():
         label = line[:13].strip() if not line.startswith(" ") else ""
         rows.append((label or (rows[-1][0] if rows else ""), line[13:] if label else line.strip()))
-    return FileInfo(kind, rows, described)
+    return FileInfo(kind, rows, described, file_path("path", path), dict(defines or {}))
 
 
 __all__ = ["Comparison", "FileInfo", "LayerDifference", "compare", "info"]

@@ -11,7 +11,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <memory>
+#include <string>
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
@@ -273,6 +275,50 @@ void bind_instruments(nb::module_& m) {
         return nb::make_tuple(info.kind, decoded(info.text), notes_of(info.notes));
       },
       nb::arg("file"), nb::arg("defines"));
+  m.def(
+      "state_picture",
+      [](const std::filesystem::path& file) {
+        auto picture = std::make_shared<Picture>();
+        const Unlocked release;
+        picture->state = std::make_shared<const RenderState>(RenderState::load(file));
+        picture->image = picture->state->picture();
+        return picture;
+      },
+      nb::arg("file"));
+  m.def(
+      "grid_slice",
+      [](const std::filesystem::path& file, bool is_radiance_grid, int axis) {
+        if (axis < 0 || axis > 2) throw Error("axis: expected 0, 1 or 2, got " + std::to_string(axis));
+        GridSlice slice;
+        {
+          const Unlocked release;
+          slice = is_radiance_grid ? radiance_grid_slice(file, axis) : volume_slice(file, axis);
+        }
+        const Result<double> values({slice.height, slice.width});
+        std::ranges::copy(slice.values, values.data());
+        return nb::make_tuple(values.object(), slice.spacing[0], slice.spacing[1], slice.index, slice.count);
+      },
+      nb::arg("file"), nb::arg("is_radiance_grid"), nb::arg("axis"));
+  m.def(
+      "splat_points",
+      [](const std::filesystem::path& file, std::size_t most) {
+        if (most < 1 || most > 10'000'000)
+          throw Error("most: expected 1 to 10000000, got " + std::to_string(most));
+        SplatPoints points;
+        {
+          const Unlocked release;
+          points = splat_points(file, most);
+        }
+        const Py_ssize_t n = Py_ssize_t(points.positions.size());
+        const Result<double> positions({n}, 3), colors({n}, 4);
+        for (std::size_t i = 0; i < points.positions.size(); ++i) {
+          const Vec3 &p = points.positions[i], &c = points.colors[i];
+          std::ranges::copy(std::array{p.x, p.y, p.z}, positions.data() + 3 * i);
+          std::ranges::copy(std::array{c.x, c.y, c.z, points.opacities[i]}, colors.data() + 4 * i);
+        }
+        return nb::make_tuple(positions.object(), colors.object(), points.count);
+      },
+      nb::arg("file"), nb::arg("most"));
   m.def(
       "replicates_of_file",
       [](const std::filesystem::path& file) {

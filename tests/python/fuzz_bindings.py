@@ -432,6 +432,7 @@ EXAMPLES = {
     "aureole.droplet_size": [["angles='2.5:max:G,3.5:min'", "lamp='550nm'"], ["image()", "fov=20"]], "_aureole.layer": [["bsdf('roughdielectric')", "0.0", "0.0", "200.0", "'D65'", "2.5", "64", "(0.5, 0.5)"]],
     "_aureole.medium": [["fog()", "200.0", "0.01", "(0, 0, 0)", "(0, 0, 1)"]], "_aureole.layer_of_file": [["str(text_file(XML)) + '#grey'", "[]", "0.0", "0.0", "200.0", "'D65'", "2.5", "64", "(0.5, 0.5)"]],
     "_aureole.compare_pictures": [["image()._picture", "rendered()._picture", "0", "2"]], "_aureole.file_info": [["file('a.exr')", "[]"], ["torn(file('a.exr'), R)", "[]"]],
+    "_aureole.state_picture": [["file('a.exr')"]], "_aureole.grid_slice": [["file('a.exr')", "False", "2"]], "_aureole.splat_points": [["file('a.exr')", "100"]],
     "_aureole.measure_rings": [["image()._picture", "'a'", "[]", "[0, 360]", "[]", "30.0", "'D65'", "'5um'", "''", "0.5", "'0.5m'", "'14m'", "'36mm'", "0.25"]],
     "_aureole.power_maps": [["scene()._open", "image()._picture", "'2W'"]], "_aureole.PartSum": [["rendered()._picture"]], "_aureole.PartSum.add": [["_aureole.packed_part(rendered()._picture)", "0", "1", "[]"]],
     "_aureole.PartSum.check": [["_aureole.packed_part(rendered()._picture)", "0", "1"]], "_aureole.PartSum.unpacked": [["_aureole.packed_part(rendered()._picture)"], ["torn_bytes(_aureole.packed_part(rendered()._picture), R)"]],

@@ -382,6 +382,17 @@ def test_command(scene, alone, tmp_path):
     assert wrong.returncode == 2 and "none.xml" in wrong.stderr
     assert run("render", scene._open.file).returncode == 2
     assert "--scheduler ADDRESS" in run("render", "--help").stdout
+    with socket.socket() as unheard:  # nobody answers at this port
+        unheard.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{unheard.getsockname()[1]}"
+        waiting = subprocess.Popen([os.environ["AUREOLE_BINARY"], "cluster", "render", scene._open.file, "--scheduler", address],
+                                   stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=environment)
+        try:
+            told = [waiting.stderr.readline() for _ in range(2)]  # the first is of the scene
+            assert told[1] == f"note: waiting for the scheduler {address}, two minutes at most\n"
+        finally:
+            waiting.kill()
+            waiting.communicate()
 
 
 def test_slurm_array(scene, alone, tmp_path):

@@ -199,3 +199,5 @@ def test_viewer(tmp_path):
         np.testing.assert_allclose(values[offset::stride].reshape(12, 20), image[one], rtol=1e-3)  # the file has halves
     failed = subprocess.run([*command, f"localhost:{port}", "--restart"], capture_output=True, text=True)
     assert failed.returncode == 2 and "no viewer listens" in failed.stderr, failed.stderr
+    wrong = subprocess.run([*command, "localhost:tev", "--restart"], capture_output=True, text=True)
+    assert wrong.returncode == 2 and "the port is a number up to 65535" in wrong.stderr, wrong.stderr

@@ -127,6 +127,8 @@ def test_info(folder, small_scene, repository):
     file = sorted(scene.glob("*.xml"))[0]
     assert aureole.info(file).kind == "scene" and aureole.info(file)["integrator"]
     assert "<th>size</th>" in found._repr_html_()
+    rows = rows_of(found)
+    assert rows[0] == ["label", "text"] and len(rows) == len(found.rows) + 1 and ["size", found.rows[1][1]] in rows
     with pytest.raises(KeyError, match="there are picture, size"):
         found["nothing"]
     (folder / "nothing.txt").write_text("hello")
@@ -134,6 +136,54 @@ def test_info(folder, small_scene, repository):
         aureole.info(folder / "nothing.txt")
     with pytest.raises(aureole.Error, match="is not a scene file"):
         aureole.info(folder / "a.exr", {"n": 3})
+
+
+def test_plots_of_info(folder, small_scene):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    scene = aureole.load_dict({name: value for name, value in small_scene.items() if name != "quad"})  # arrays are in no file
+    image = aureole.render(scene, progress=False)
+    image.save(folder / "a.exr")
+    shown = lambda name, **how: aureole.info(folder / name).plot(**how)
+    pixels = aureole.read_image(folder / "a.exr").tonemap(1.5)
+    axes = shown("a.exr", exposure=1.5)
+    assert np.array_equal(axes.images[0].get_array(), pixels) and axes.get_title() == "a.exr"
+
+    aureole.Image(np.arange(6, dtype=np.float32).reshape(2, 3, 1), ["depth"]).save(folder / "depth.exr")
+    assert np.array_equal(shown("depth.exr").images[0].get_array(), [[0, 1, 2], [3, 4, 5]])
+
+    (folder / "small.xml").write_text(scene.xml())
+    assert np.array_equal(shown("small.xml", spp=16).images[0].get_array(), image.tonemap())
+    program(folder, "render", "small.xml", "--samples", "0:16", "-o", "part.exr", "-q")
+    (state,) = folder.glob("*.state")
+    assert np.array_equal(shown(state.name).images[0].get_array(), image.tonemap())
+
+    grid = np.fromfunction(lambda z, y, x: x + 10.0 * y + 100.0 * z, (6, 4, 3), dtype=float)  # a .npy has z, y, x
+    np.save(folder / "grid.npy", grid.astype(np.float32))
+    for axis, expected in (("z", grid[3]), ("y", grid[:, 2]), ("x", grid[:, :, 1])):
+        (drawn,) = shown("grid.npy", axis=axis).images
+        assert np.array_equal(drawn.get_array(), expected) and drawn.origin == "lower"
+
+    links = np.full((3, 4, 5), -1, np.int32)
+    links[1, 2, 3] = 0
+    np.savez(folder / "grid.npz", links=links, density_data=np.array([[7.0]], np.float32), sh_data=np.zeros((1, 3), np.float32),
+             radius=np.array([3, 4, 10.0]), center=np.zeros(3))
+    (drawn,) = (axes := shown("grid.npz", axis="x")).images  # x is 1 of 3; y across, z up
+    assert drawn.get_array().shape == (5, 4) and drawn.get_array()[3, 2] == 7 and drawn.get_array().sum() == 7
+    assert axes.get_aspect() == pytest.approx((20 / 5) / (8 / 4))
+
+    (folder / "points.ply").write_text("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                                       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+                                       "0 0 3 255 0 0\n1 0 1 0 255 0\n0 2 2 0 0 255\n5 5 0 0 0 0\n")
+    (drawn,) = shown("points.ply").collections
+    assert drawn.get_offsets().tolist() == [[5, 5], [1, 0], [0, 2], [0, 0]]  # the largest z last
+    np.testing.assert_allclose(drawn.get_facecolors(), [[0, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1], [1, 0, 0, 1]], atol=1e-6)
+    assert len(shown("points.ply", points=2, axis="y").collections[0].get_offsets()) == 2
+    with pytest.raises(aureole.Error, match='axis: expected "x", "y" or "z"'):
+        shown("grid.npy", axis="w")
+    (folder / "a.exr").write_bytes(b"")
+    with pytest.raises(aureole.Error, match="a.exr"):
+        aureole.FileInfo("picture", [], "", str(folder / "a.exr"), {}).plot()
+    plt.close("all")
 
 
 def corona():

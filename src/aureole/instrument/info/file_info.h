@@ -2,6 +2,8 @@
 // Descriptions of scenes, pictures, volumes, splats, radiance grids and state files, as `aureole info` prints them.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "aureole/core/table_cache.h"
+#include "aureole/math/vec.h"
 
 namespace aureole {
 
@@ -43,5 +46,28 @@ bool is_splats(const std::filesystem::path& file);
 FileInfo splat_info(const std::filesystem::path& file);
 /// Describes size, stored voxels and range of densities of a radiance grid. Implemented in splat_info.cpp.
 FileInfo radiance_grid_info(const std::filesystem::path& file);
+
+/// The voxels in the middle of a grid along one of its axes: a picture whose axes are the other two, in their order.
+struct GridSlice {
+  int width = 0, height = 0;
+  std::vector<float>
+      values;  ///< of the first channel; rows of `width`, the second axis increases with the row
+  std::array<double, 2> spacing{1, 1};  ///< of voxels along both axes of the picture
+  int index = 0, count = 0;             ///< of the slice, and number of slices
+};
+/// Reads the slice across the axis 0, 1 or 2 of a volume. Implemented in volume_info.cpp.
+GridSlice volume_slice(const std::filesystem::path& file, int axis);
+/// Reads the densities in the slice across the axis 0, 1 or 2 of a radiance grid. Implemented in splat_info.cpp.
+GridSlice radiance_grid_slice(const std::filesystem::path& file, int axis);
+
+/// Centres of splats or points.
+struct SplatPoints {
+  std::vector<Vec3> positions;
+  std::vector<Vec3> colors;  ///< as a display shows them (sRGB), the mean over all directions, in [0, 1]
+  std::vector<float> opacities;
+  std::size_t count = 0;  ///< of the file
+};
+/// Reads at most `most` splats of a file, at equal steps of their order. Implemented in splat_info.cpp.
+SplatPoints splat_points(const std::filesystem::path& file, std::size_t most);
 
 }  // namespace aureole

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 
+#include "aureole/core/image.h"
 #include "aureole/instrument/info/file_info.h"
 #include "aureole/instrument/info/printed_text.h"
 #include "aureole/parameter/radiance/radiance_voxels.h"
+#include "aureole/parameter/splat/spherical_harmonics.h"
 #include "aureole/parameter/splat/splat_cloud.h"
 
 namespace aureole {
@@ -68,6 +71,42 @@ FileInfo radiance_grid_info(const std::filesystem::path& file) {
   add_text(out, "harmonics    degree {}\n", g.degree);
   add_text(out, "memory       {:.1f} MB\n", double(g.memory_bytes()) / 1e6);
   return info;
+}
+
+GridSlice radiance_grid_slice(const std::filesystem::path& file, int axis) {
+  const RadianceVoxels g = read_radiance_voxels(file);
+  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  GridSlice slice;
+  slice.width = g.size[u], slice.height = g.size[v];
+  slice.count = g.size[std::size_t(axis)], slice.index = slice.count / 2;
+  const std::array<float, 3> radius{g.radius.x, g.radius.y, g.radius.z};
+  slice.spacing = {2 * double(radius[u]) / slice.width, 2 * double(radius[v]) / slice.height};
+  std::array<int, 3> at{};
+  at[std::size_t(axis)] = slice.index;
+  for (at[v] = 0; at[v] < slice.height; ++at[v])
+    for (at[u] = 0; at[u] < slice.width; ++at[u]) {
+      const std::int32_t link = g.links[g.link_index(at[0], at[1], at[2])];
+      slice.values.push_back(link < 0 ? 0 : g.densities[std::size_t(link)]);
+    }
+  return slice;
+}
+
+SplatPoints splat_points(const std::filesystem::path& file, std::size_t most) {
+  const SplatCloud cloud = read_splat_file(file);
+  SplatPoints points;
+  points.count = cloud.size();
+  const std::size_t step = std::max<std::size_t>(1, (cloud.size() + most - 1) / most);
+  const auto shown = [&](float coefficient) {
+    const float c = std::clamp(0.5f + kHarmonic0 * coefficient, 0.f, 1.f);
+    return cloud.hints.colors == SplatHints::Colors::linear ? srgb_encode(c) : c;
+  };
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    const float* c = cloud.harmonics_of(i);
+    points.positions.push_back(cloud.positions[i]);
+    points.colors.push_back({shown(c[0]), shown(c[1]), shown(c[2])});
+    points.opacities.push_back(cloud.opacities[i]);
+  }
+  return points;
 }
 
 }  // namespace aureole

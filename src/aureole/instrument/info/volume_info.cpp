@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
+#include <span>
 
 #include "aureole/core/error.h"
 #include "aureole/core/units.h"
@@ -64,6 +66,25 @@ FileInfo volume_info(const std::filesystem::path& file) {
              grid.further_files.size() > 1 ? fmt::format(" and {} more files", grid.further_files.size() - 1)
                                            : "");
   return info;
+}
+
+GridSlice volume_slice(const std::filesystem::path& file, int axis) {
+  const ScalarGrid grid = read_scalar_grid(file);
+  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  GridSlice slice;
+  slice.width = grid.size[u], slice.height = grid.size[v];
+  slice.count = grid.size[std::size_t(axis)], slice.index = slice.count / 2;
+  slice.spacing = {grid.spacing()[u], grid.spacing()[v]};
+  slice.values.resize(std::size_t(slice.width) * std::size_t(slice.height));
+  for (int row = 0; row < slice.height; ++row) {
+    const std::span<float> out(slice.values.data() + std::size_t(row) * std::size_t(slice.width),
+                               std::size_t(slice.width));
+    if (axis == 0)
+      for (int y = 0; y < slice.width; ++y) out[std::size_t(y)] = grid.value(slice.index, y, row);
+    else
+      grid.read_row(0, axis == 1 ? slice.index : row, axis == 1 ? row : slice.index, 0, out);
+  }
+  return slice;
 }
 
 }  // namespace aureole

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <string>
 
 #include "aureole/core/error.h"
 
@@ -63,6 +64,9 @@ TevViewer::TevViewer(const std::string& address) : address_(address) {
   std::string host = address.substr(0, colon), port = colon == address.npos ? "" : address.substr(colon + 1);
   if (host.empty()) host = "localhost";
   if (port.empty()) port = "14158";
+  if (port.find_first_not_of("0123456789") != port.npos || port.size() > 5 || std::stoi(port) > 65535)
+    throw Error("\"" + address +
+                "\" is no address such as localhost:14158: the port is a number up to 65535");
   addrinfo wanted{}, *found = nullptr;
   wanted.ai_socktype = SOCK_STREAM;
   if (const int code = ::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found); code != 0)
