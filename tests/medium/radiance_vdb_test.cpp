@@ -9,6 +9,7 @@
 #include "aureole/loading/load.h"
 #include "aureole/medium/radiance/radiance_medium.h"
 #include "aureole/parameter/radiance/radiance_voxels.h"
+#include "harness/effort.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 #include "medium/splat_test_support.h"
@@ -110,12 +111,15 @@ TEST(RadianceVdb, FilesThatAreNoRadianceGrids) {
   // Every damaged file is a located error or a grid of finite numbers.
   std::mt19937 random(5);
   int errors = 0;
+  // OpenVDB allocates the lengths that a damaged file states. Where that fails, the reader makes an error of it, but AddressSanitizer
+  // ends the program: it is given truncated files alone.
+  constexpr int kTruncated = 60, kAll = kSanitized ? kTruncated : 200;
   for (const char* name : {"sh1.vdb", "cd.vdb"}) {
     const std::string whole = read_bytes(written_by_openvdb(name));
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < kAll; ++i) {
       std::string bytes = whole;
-      if (i < 60) bytes.resize(8 + random() % (whole.size() - 8));
-      for (unsigned k = 0; i >= 60 && k <= random() % 4; ++k)
+      if (i < kTruncated) bytes.resize(8 + random() % (whole.size() - 8));
+      for (unsigned k = 0; i >= kTruncated && k <= random() % 4; ++k)
         bytes[8 + random() % (bytes.size() - 8)] = char(random());
       const fs::path file = folder.write("bad.vdb", bytes);
       try {
