@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Errors of pictures with and without `aureole.denoise`, at equal time, against a long reference (docs/pictures.md).
 
-    PYTHONPATH=build/release/python .venv/bin/python bench/denoise.py [--spp 16] [--reference 1024] [NAME ...]
+    PYTHONPATH=build/release/python .venv/bin/python bench/denoise.py [--spp 16] [--reference 1024] [--scale 1] [--threads 0] [NAME ...]
 
 The noisy picture of `spp` samples in each of 4 replicates has a box filter; features and network are counted as time, and the picture without
-denoising gets as many more samples as fit into that time.
+denoising gets as many more samples as `render(denoise=True)` takes longer. Time is that of the processor, of all threads together, so that
+other programs on the machine count little; `denoise` also loads the scene again, with its tables.
 """
 from __future__ import annotations
 
@@ -49,27 +50,29 @@ def main():
     parser.add_argument("names", nargs="*", default=list(SCENES))
     parser.add_argument("--spp", type=int, default=16)
     parser.add_argument("--reference", type=int, default=1024)
+    parser.add_argument("--scale", type=float, default=1, help="of width and height")
+    parser.add_argument("--threads", type=int, default=0)
     a = parser.parse_args()
     print(f"{'scene':8} {'way':28} {'seconds':>8} {'RMSE shown':>11} {'relative':>9}")
     for name in a.names or SCENES:
         path, defines = SCENES[name]
-        scene = boxed(path, defines)
-        truth = aureole.render(scene, a.reference, seed=99, progress=False).rgb
-        begun = time.perf_counter()
-        noisy = aureole.render(scene, a.spp, replicates=4, progress=False)
-        render_s = time.perf_counter() - begun
-        begun = time.perf_counter()
+        scene = boxed(path, {key: max(8, round(a.scale * size)) for key, size in defines.items()})
+        truth = aureole.render(scene, a.reference, seed=99, progress=False, threads=a.threads).rgb
+        begun = time.process_time()
+        noisy = aureole.render(scene, a.spp, replicates=4, progress=False, threads=a.threads)
+        render_s = time.process_time() - begun
+        begun = time.process_time()
         found = aureole.denoise(noisy, scene=scene, feature_samples=16)
-        denoise_s = time.perf_counter() - begun
+        denoise_s = time.process_time() - begun
         plain = aureole.denoise(noisy, scene=scene, feature_samples=16, keep_clean=False)
         blind = aureole.denoise(noisy)
-        more = int(np.ceil(4 * a.spp * (1 + denoise_s / render_s) / 16)) * 16
-        begun = time.perf_counter()
-        longer = aureole.render(scene, more, seed=5, progress=False).rgb
-        longer_s = time.perf_counter() - begun
-        begun = time.perf_counter()
-        once = aureole.render(scene, 4 * a.spp, progress=False, denoise=True)
-        once_s = time.perf_counter() - begun
+        begun = time.process_time()
+        once = aureole.render(scene, 4 * a.spp, progress=False, threads=a.threads, denoise=True)
+        once_s = time.process_time() - begun
+        more = int(np.ceil(4 * a.spp * once_s / render_s / 16)) * 16
+        begun = time.process_time()
+        longer = aureole.render(scene, more, seed=5, progress=False, threads=a.threads).rgb
+        longer_s = time.process_time() - begun
         rows = [(f"{4 * a.spp} samples", noisy.rgb, render_s), (f"{more} samples, equal time", longer, longer_s),
                 ("denoised", found[["R", "G", "B"]], render_s + denoise_s), ("denoised, unmixed", plain[["R", "G", "B"]], render_s + denoise_s),
                 ("denoised without features", blind[["R", "G", "B"]], render_s), ("render(denoise=True)", once[["R", "G", "B"]], once_s)]
