@@ -661,7 +661,17 @@ TEST_F(PigmentCli, RefusalsOfReflectancesShowARightLine) {
       "{\"wavelengths_nm\": [400, 550],\n \"samples\": [{\"paints\": \"chalk\", \"values\": [0.9,\n  95]}]}");
   fails("fit t.json",
         "t.json:3:3: samples[0].values[1]: sample \"chalk\" at 550 nm: reflectance 95 is above");
-  EXPECT_NE(said.find("thickness_um,unit,550\n    chalk,,chalk,R,opaque,,percent,95\n"), said.npos) << said;
+  EXPECT_NE(
+      said.find(
+          "one of its values:\n    \"unit\": \"percent\", \"samples\": [{\"sample\":\"chalk\",\"paints\":\"chalk\","
+          "\"quantity\":\"R\",\"backing\":\"opaque\",\"values\":[95.0]}]\n"),
+      said.npos)
+      << said;
+  // With this line in the place of the wrong one the file is read.
+  const std::string line =
+      replaced(said.substr(said.find("\"unit\": \"percent\"")), "[95.0]", "[90, 95.0, 90]");
+  write("right.json", "{\"wavelengths_nm\": [400, 550, 700],\n" + line + "}");
+  EXPECT_EQ(run("fit right.json --white chalk"), 0) << said;
 }
 
 /// Refusals of JSON have line and column, say what was expected, and show a line that would be right; with this line in the place

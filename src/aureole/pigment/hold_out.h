@@ -41,8 +41,8 @@ std::vector<HeldOut> hold_out(const SampleTable& table, const FilmTheory& theory
                               const ParallelFor& threads = serial_for);
 
 /// The baseline: the two-constant theory with nothing else unknown (`JointSettings::plain`, but with the default errors of
-/// reflectance of `JointSettings`), fitted anew for each group to the series of its specimens and to all specimens of `white`, `black` and their mixtures. Where
-/// these lack a paint, the fit includes the series of that paint.
+/// reflectance of `JointSettings`), fitted anew for each group to the series of its specimens and to all specimens of
+/// `white`, `black` and their mixtures. Where these lack a paint, the fit includes the series of that paint.
 std::vector<HeldOut> hold_out_plain(const SampleTable& table, const FilmTheory& theory,
                                     const HoldOutGroups& groups, const std::string& white,
                                     const std::string& black, const ParallelFor& threads = serial_for);

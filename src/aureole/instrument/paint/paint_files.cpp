@@ -212,6 +212,32 @@ pigment::SampleTable read_json_samples(const std::string& file) {
   return item.is_array() ? paint_mixing(item) : sample_document(item);
 }
 
+/// An error on a sample, with the line that would be right as a line of JSON, in the place of headings and cells at its end.
+std::string with_json_line(const std::string& message) {
+  const auto begin = message.find("\n    ");
+  if (begin == message.npos) return message;
+  std::istringstream table(message.substr(begin));
+  const std::vector<pigment::TextRow> rows = pigment::read_text_table(table);
+  if (rows.size() != 2 || rows[0].cells.size() != rows[1].cells.size()) return message;
+  nlohmann::ordered_json sample;
+  bool is_percent = false;
+  for (std::size_t c = 0; c < rows[0].cells.size(); ++c) {
+    const std::string &heading = rows[0].cells[c].text, &cell = rows[1].cells[c].text;
+    if (cell.empty()) continue;
+    if (heading == "unit")
+      is_percent = cell == "percent";
+    else if (heading == "thickness_um")
+      sample[heading] = pigment::number_of(rows[1], c);
+    else if (pigment::finite_number(heading))  // a wavelength
+      sample["values"] = nlohmann::ordered_json::array({pigment::number_of(rows[1], c)});
+    else
+      sample[heading] = cell;
+  }
+  const std::string line = sample.dump(-1, ' ', false, json::error_handler_t::replace);
+  return message.substr(0, begin) + "\n    " +
+         (is_percent ? R"("unit": "percent", "samples": [)" + line + "]" : line);
+}
+
 /// The path in a JSON file of a sample, or of one of its values: `index` counts the samples of the file.
 JsonPath path_of_sample(const std::string& text, std::size_t index, int wavelength) {
   const json document = json::parse(text, nullptr, false);
@@ -374,7 +400,10 @@ void rethrow_located(const std::string& table_file, const pigment::SampleTable& 
                                      [&](const pigment::Sample& other) { return other.file == s.file; });
     const std::string text = read_text_file(file, kMaxJsonBytes);
     const JsonPath path = path_of_sample(text, std::size_t(index), s.file.empty() ? wavelength : -1);
-    throw Error(json_place(file, text, path), json_path_text(path) + ": " + error.what());
+    const bool has_keys_of_tables = std::holds_alternative<std::string>(path.front());
+    throw Error(
+        json_place(file, text, path),
+        json_path_text(path) + ": " + (has_keys_of_tables ? with_json_line(error.what()) : error.what()));
   }
   const int line = has_column && !s.lines.empty() ? s.lines[std::size_t(wavelength)] : s.line;
   throw Error({file, line, has_column ? s.columns[std::size_t(wavelength)] : 0}, error.what());
