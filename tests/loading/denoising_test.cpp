@@ -124,6 +124,8 @@ TEST(ForDenoising, LightThatReachesAnyPixelHasNoFeatures) {
   } catch (const ErrorList& list) {
     ASSERT_FALSE(list.errors().empty());
     EXPECT_NE(list.errors().front().find("ptracer"), std::string::npos) << list.errors().front();
+    EXPECT_NE(list.errors().front().find("then \"aureole denoise\" the picture"), std::string::npos)
+        << list.errors().front();
     EXPECT_NE(list.errors().front().find("small.xml:2:"), std::string::npos) << list.errors().front();
   }
 }

@@ -17,11 +17,18 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::strin
     if (!object) continue;
     auto integrator = std::dynamic_pointer_cast<const Integrator>(*object);
     if (!integrator) continue;
-    if (integrator->leaves() != Integrator::Leaves::pixel)
-      throw Error(e.where, "\"" + (*object)->properties().type() +
-                               "\" follows light paths, which belong to no "
-                               "pixel: it can't be nested in \"" +
-                               p.type() + "\"");
+    if (integrator->leaves() != Integrator::Leaves::pixel) {
+      // A scene that is loaded for denoising has "colors" (loading/overrides.cpp), and its author wrote no outer integrator.
+      const bool for_denoising =
+          std::ranges::any_of(p.entries(), [](const auto& at) { return at.name == "colors"; });
+      throw Error(
+          e.where,
+          "\"" + (*object)->properties().type() + "\" follows light paths, which belong to no pixel: " +
+              (for_denoising
+                   ? "it has no features for denoising; render without that, with a box filter and replicates, "
+                     "then \"aureole denoise\" the picture with its scene"
+                   : "it can't be nested in \"" + p.type() + "\""));
+    }
     std::vector<std::string> channels = integrator->aov_names(), meanings = integrator->aov_meanings();
     nested.push_back({e.name.empty() ? "_arg_" + std::to_string(unnamed++) : e.name, std::move(integrator),
                       std::move(channels), std::move(meanings)});
