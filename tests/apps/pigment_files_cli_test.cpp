@@ -699,7 +699,12 @@ TEST_F(PigmentCli, RefusalsOfJsonShowARightLine) {
         {"[90, 91, 92]", "[90, null, 92]", ":8:16: samples[0].values[1]: expected a number, got null"},
         {"\"values\": [90, 91, 92]", "\"value\": [90, 91, 92]",
          ":4:1: samples[0]: the key \"values\" is missing"},
-        {"[90, 91, 92]", "[90, 91]", ":4:1: samples[0]: sample \"", false},
+        {"[90, 91, 92]", "[90, 91]",
+         ":8:11: samples[0].values: expected 3 values, one for each wavelength, got 2"},
+        {"[400, 550, 700]", "[400, 700, 550]",
+         ":2:30: wavelengths_nm[2]: wavelengths must increase, got 550 behind 700"},
+        {"[400, 550, 700]", "[]", ":2:19: wavelengths_nm: there are no wavelengths"},
+        {"[90, 91, 92]", "[90, -1, 92]", ":8:16: samples[0].values[1]: sample \"", false},
         {"\"unit\": \"percent\",", "\"unit\" \"percent\",", ":1:", false},
         {"92]", "92", ":8:", false}}) {
     const std::string wrong = replaced(text, c.old, c.by);

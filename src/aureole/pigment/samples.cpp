@@ -464,7 +464,13 @@ std::string line_of(const std::vector<std::string>& cells, char separator) {
   std::string line;
   for (const std::string& cell : cells) {
     if (&cell != cells.data()) line += separator;
-    line += cell.find(separator) == cell.npos ? cell : '"' + cell + '"';
+    if (cell.find(separator) == cell.npos && !cell.starts_with('"')) {
+      line += cell;
+      continue;
+    }
+    line += '"';
+    for (const char c : cell) line += c == '"' ? std::string("\"\"") : std::string(1, c);
+    line += '"';
   }
   return line;
 }
@@ -926,7 +932,8 @@ void check(const SampleTable& table) {
       if (!(sample.values[i] >= 0 && std::isfinite(sample.values[i])))
         throw SampleError(s, int(i),
                           "sample \"" + sample.name + "\" at " + number_text(table.nm[i]) +
-                              " nm: must be finite and not negative, got " + number_text(sample.values[i]));
+                              " nm: must be finite and not negative, got " + number_text(sample.values[i]) +
+                              right_value_line(sample, table.nm[i], false, 0));
   }
 }
 

@@ -150,8 +150,32 @@ double unit_of(const Item& item) {
   return unit == "percent" ? 0.01 : 1;
 }
 
+/// Returns the numbers of an array of wavelengths, which must increase.
+std::vector<double> wavelengths_of(const Item& array) {
+  const std::vector<Item> items = array.items();
+  if (items.empty()) array.fail("there are no wavelengths");
+  std::vector<double> nm;
+  for (const Item& item : items) {
+    const double value = item.number();
+    if (!nm.empty() && !(value > nm.back()))
+      item.fail("wavelengths must increase, got " + pigment::number_text(value) + " behind " +
+                pigment::number_text(nm.back()));
+    nm.push_back(value);
+  }
+  return nm;
+}
+
+/// Returns the reflectances of an array, one for each wavelength.
+std::vector<double> values_of(const Item& array, double unit, std::size_t wavelengths) {
+  std::vector<double> values = array.numbers(unit);
+  if (values.size() != wavelengths)
+    array.fail("expected " + std::to_string(wavelengths) + " values, one for each wavelength, got " +
+               std::to_string(values.size()));
+  return values;
+}
+
 pigment::SampleTable sample_document(const Item& document) {
-  pigment::SampleTable table{document.at("wavelengths_nm").numbers(1), {}};
+  pigment::SampleTable table{wavelengths_of(document.at("wavelengths_nm")), {}};
   const double unit = unit_of(document);
   for (const Item& item : document.at("samples").items()) {
     pigment::Sample& s = table.samples.emplace_back();
@@ -172,7 +196,7 @@ pigment::SampleTable sample_document(const Item& document) {
     if (quantity != "R" && quantity != "T")
       item.at("quantity").fail("must be R or T, got \"" + quantity + "\"");
     if (quantity == "T") s.quantity = pigment::Sample::Quantity::transmittance;
-    s.values = item.at("values").numbers(unit);
+    s.values = values_of(item.at("values"), unit, table.nm.size());
   }
   return table;
 }
@@ -182,7 +206,7 @@ pigment::SampleTable paint_mixing(const Item& document) {
   pigment::SampleTable table;
   for (const Item& item : document.items()) {
     if (item.at("type").text() == "wavelengths") {
-      table.nm = item.at("values").numbers(1);
+      table.nm = wavelengths_of(item.at("values"));
       continue;
     }
     pigment::Sample& s = table.samples.emplace_back();
@@ -217,7 +241,12 @@ std::string with_json_line(const std::string& message) {
   const auto begin = message.find("\n    ");
   if (begin == message.npos) return message;
   std::istringstream table(message.substr(begin));
-  const std::vector<pigment::TextRow> rows = pigment::read_text_table(table);
+  std::vector<pigment::TextRow> rows;
+  try {
+    rows = pigment::read_text_table(table);
+  } catch (const pigment::TextError&) {
+    return message;
+  }
   if (rows.size() != 2 || rows[0].cells.size() != rows[1].cells.size()) return message;
   nlohmann::ordered_json sample;
   bool is_percent = false;
