@@ -204,6 +204,12 @@ int goniometer(GoniometerOptions o) {
     const Bench bench(loaded.grid, loaded.length_unit_m, bands, o.trace);
     if (o.directions.transmits && !loaded.specimen.is_translucent())
       tell("note: --transmission: \"{}\" lets no light pass\n", loaded.specimen.name);
+    if (const double index = loaded.specimen.index_behind(loaded.grid); o.directions.transmits && index != 1)
+      tell(
+          "note: --transmission: \"{}\" is the surface of a body of index {:.4g}, in which directions below are measured\n",
+          loaded.specimen.name, index);
+    if (s.standard != GoniometerSettings().standard && !s.by_reference)
+      tell("note: --standard: has no effect without --reference\n");
     if (!o.spread.empty()) {
       TraceSettings more = o.trace;
       more.paths = std::max<std::int64_t>(more.paths, 1 << 16);

@@ -82,6 +82,33 @@ std::string spectrum_plot(const SpectrophotometerOptions& o, const MeasuredSpect
   return svg_plot(plot);
 }
 
+/// Notes options that have no effect: parts that an instrument lacks.
+void note_unused(const SpectrophotometerOptions& o) {
+  const SpectrophotometerSettings &s = o.settings, usual = {};
+  const auto note = [](bool is_given, const char* option, const std::string& why) {
+    if (is_given) tell("note: {}: has no effect {}\n", option, why);
+  };
+  if (o.haze > 0 || !o.gloss.empty()) {
+    const std::string beside = "beside --haze and --gloss, whose geometries are those of their standards";
+    note(o.geometry != "45a:0", "--geometry", beside), note(o.transmission, "--transmission", beside);
+    note(s.specular_angle > 0, "--specular-port", beside), note(s.azimuth != 0, "--azimuth", beside);
+    note(o.correct, "--correct-bandwidth", beside);
+    if (o.haze > 0) return;
+  }
+  if (s.geometry.has_sphere() && o.gloss.empty()) return;
+  const std::string without =
+      o.gloss.empty() ? "at " + o.geometry + ", which has no sphere" : "beside --gloss";
+  note(!o.sphere.empty(), "--sphere", without), note(!o.port.empty(), "--port", without);
+  note(s.wall != usual.wall, "--wall", without), note(o.theory, "--theory", without);
+  if (o.gloss.empty()) {
+    note(s.specular_angle > 0, "--specular-port", without);
+    return;
+  }
+  note(s.lamp_angle != usual.lamp_angle, "--lamp-angle", without);
+  note(s.detector_angle != usual.detector_angle, "--detector-angle", without);
+  note(s.standard != usual.standard, "--standard", "beside --gloss, whose standard is black glass");
+}
+
 int spectrophotometer(SpectrophotometerOptions o) {
   for (const std::string& output : o.outputs) require_spectrum_file(output), require_writable(output);
   SpectrophotometerSettings& s = o.settings;
@@ -100,8 +127,10 @@ int spectrophotometer(SpectrophotometerOptions o) {
   if (!o.thickness.empty() && !(thickness > 0)) throw Error("--thickness: must be positive");
   LoadOptions load = load_options(o.defines);
   const LoadedSpecimen loaded = load_specimen_called(o.target, load, thickness);
-  if (!o.is_quiet)
+  if (!o.is_quiet) {
     for (const std::string& note : loaded.notes) tell("note: {}\n", note);
+    note_unused(o);
+  }
   if (!o.monochromator.empty())
     tell(
         "note: --monochromator: no material here fluoresces; before and after the sample it measures alike\n");

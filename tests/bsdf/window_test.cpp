@@ -177,6 +177,8 @@ TEST(Windows, DamagedFilesAreLocatedErrors) {
   EXPECT_NE(klems("<ColumnAngleBasis>Eleven", "<ColumnAngleBasis>Twelve").find("unknown angle basis"),
             std::string::npos);
   EXPECT_NE(klems("<ScatteringData>\n0", "<ScatteringData>\nnan").find("is not a number"), std::string::npos);
+  EXPECT_NE(klems("<ScatteringData>\n0", "<ScatteringData>\n1e999").find("is not a number"),
+            std::string::npos);
   EXPECT_NE(klems("<ScatteringData>\n0", "<ScatteringData>\n0.1 0.2 0").find("more than the 11 x 11"),
             std::string::npos);
   EXPECT_NE(window_error("shade_klems.xml",

@@ -33,37 +33,6 @@ int last_not_above(int last, float x, Value&& value) {
 
 }  // namespace
 
-NodePlace place_among(std::span<const float> nodes, float x) {
-  if (nodes.size() < 2) return {};
-  NodePlace place;
-  if (constexpr std::size_t kFew = 64; nodes.size() <= kFew) {
-    // Counting needs no branches, which random angles would make unpredictable.
-    int below = 0;
-    for (std::size_t i = 1; i + 1 < nodes.size(); ++i) below += nodes[i] <= x ? 1 : 0;
-    place.index = std::size_t(below);
-  } else {
-    place.index = std::size_t(std::upper_bound(nodes.begin() + 1, nodes.end() - 1, x) - nodes.begin()) - 1;
-  }
-  const float low = nodes[place.index], high = nodes[place.index + 1];
-  place.fraction = std::clamp((x - low) / (high - low), 0.f, 1.f);
-  return place;
-}
-
-SliceBlend SliceNodes::at(float a, float b) const {
-  const NodePlace i = place_among(first, a), j = place_among(second, b);
-  SliceBlend blend;
-  const auto add = [&](std::size_t row, std::size_t column, float weight) {
-    if (!(weight > 0)) return;
-    blend.slice[std::size_t(blend.count)] = std::uint32_t(row * second.size() + column);
-    blend.weight[std::size_t(blend.count++)] = weight;
-  };
-  add(i.index, j.index, (1 - i.fraction) * (1 - j.fraction));
-  add(i.index, j.index + 1, (1 - i.fraction) * j.fraction);
-  add(i.index + 1, j.index, i.fraction * (1 - j.fraction));
-  add(i.index + 1, j.index + 1, i.fraction * j.fraction);
-  return blend;
-}
-
 BilinearWarp::BilinearWarp(int width, int height, std::size_t slices, std::span<const float> values)
     : width_(width), height_(height), nodes_(values.size()), rows_(slices * std::size_t(height)) {
   const std::size_t w = std::size_t(width), h = std::size_t(height);
@@ -130,51 +99,25 @@ BilinearWarp::Point BilinearWarp::sample(Vec2 u, const SliceBlend& blend) const 
 }
 
 BilinearWarp::Point BilinearWarp::invert(Vec2 p, const SliceBlend& blend) const {
-  const GridCell x(p.x, width_), y(p.y, height_);
-  const float s = x.fraction, t = y.fraction;
+  const SquareCell cell(p, width_, height_);
+  const float s = cell.s, t = cell.t;
   const std::size_t size = std::size_t(width_) * std::size_t(height_);
-  float r0 = 0, r1 = 0, below = 0, c0 = 0, c1 = 0, left = 0;
+  // A pair of nodes, or of rows, is four numbers that lie together.
+  Four rows{}, nodes{};
   for (int k = 0; k < blend.count; ++k) {
     const float weight = blend.weight[std::size_t(k)];
     const std::size_t slice = blend.slice[std::size_t(k)];
-    const Row* row = rows_.data() + slice * std::size_t(height_) + std::size_t(y.index);
-    r0 += weight * row[0].integral, r1 += weight * row[1].integral, below += weight * row[0].cumulated;
-    const Node* low =
-        nodes_.data() + slice * size + std::size_t(y.index) * std::size_t(width_) + std::size_t(x.index);
-    const Node* high = low + width_;
-    c0 += weight * ((1 - t) * low[0].value + t * high[0].value);
-    c1 += weight * ((1 - t) * low[1].value + t * high[1].value);
-    left += weight * ((1 - t) * low[0].cumulated + t * high[0].cumulated);
+    const Node* low = nodes_.data() + slice * size + cell.node;
+    rows += weight * four_at(rows_.data() + slice * std::size_t(height_) + std::size_t(cell.row));
+    nodes += weight * ((1 - t) * four_at(low) + t * four_at(low + width_));
   }
+  const float r0 = rows[0], below = rows[1], r1 = rows[2], c0 = nodes[0], left = nodes[1], c1 = nodes[2];
   const float row = (1 - t) * r0 + t * r1;
   Point found;
   found.p.y = below + integrate_linear(r0, r1, t) / float(height_ - 1);
   found.p.x = row > 0 ? (left + integrate_linear(c0, c1, s) / float(width_ - 1)) / row : 0.5f;
   found.pdf = (1 - s) * c0 + s * c1;
   return found;
-}
-
-float BilinearWarp::pdf(Vec2 p, const SliceBlend& blend) const {
-  const GridCell x(p.x, width_), y(p.y, height_);
-  const std::size_t size = std::size_t(width_) * std::size_t(height_);
-  float found = 0;
-  for (int k = 0; k < blend.count; ++k) {
-    const Node* low = nodes_.data() + blend.slice[std::size_t(k)] * size +
-                      std::size_t(y.index) * std::size_t(width_) + std::size_t(x.index);
-    const Node* high = low + width_;
-    found += blend.weight[std::size_t(k)] *
-             ((1 - y.fraction) * ((1 - x.fraction) * low[0].value + x.fraction * low[1].value) +
-              y.fraction * ((1 - x.fraction) * high[0].value + x.fraction * high[1].value));
-  }
-  return found;
-}
-
-float BilinearTable::at(Vec2 p) const {
-  const GridCell x(p.x, width_), y(p.y, height_);
-  const float* low = values_.data() + std::size_t(y.index) * std::size_t(width_) + std::size_t(x.index);
-  const float* high = low + width_;
-  return (1 - y.fraction) * ((1 - x.fraction) * low[0] + x.fraction * low[1]) +
-         y.fraction * ((1 - x.fraction) * high[0] + x.fraction * high[1]);
 }
 
 }  // namespace aureole

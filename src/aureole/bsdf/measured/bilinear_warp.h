@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "aureole/bsdf/measured/four.h"
 #include "aureole/math/vec.h"
 
 namespace aureole {
@@ -29,7 +31,7 @@ struct SliceNodes {
 
   std::size_t count() const { return first.size() * second.size(); }
   /// Interpolation between the nodes around the parameters (a, b). Parameters outside of the nodes are
-  /// clamped to the nearest node. Slices without weight are left out.
+  /// clamped to the nearest node.
   SliceBlend at(float a, float b) const;
 };
 
@@ -39,7 +41,66 @@ struct NodePlace {
   std::size_t index = 0;
   float fraction = 0;
 };
-NodePlace place_among(std::span<const float> nodes, float x);
+inline NodePlace place_among(std::span<const float> nodes, float x) {
+  NodePlace place;
+  if (nodes.size() < 2) return place;
+  // The number of steps depends on the number of nodes alone, and no branch on x: random angles would make it
+  // unpredictable.
+  for (std::size_t left = nodes.size() - 2; left > 0;) {
+    const std::size_t half = (left + 1) / 2;
+    place.index += nodes[place.index + half] <= x ? half : 0;
+    left -= half;
+  }
+  const float low = nodes[place.index], high = nodes[place.index + 1];
+  place.fraction = std::clamp((x - low) / (high - low), 0.f, 1.f);
+  return place;
+}
+
+inline SliceBlend SliceNodes::at(float a, float b) const {
+  const NodePlace i = place_among(first, a), j = place_among(second, b);
+  const std::uint32_t columns = std::uint32_t(second.size()),
+                      low = std::uint32_t(i.index) * columns + std::uint32_t(j.index), high = low + columns;
+  const float a0 = 1 - i.fraction, a1 = i.fraction, b0 = 1 - j.fraction, b1 = j.fraction;
+  if (first.size() < 2) return {{low, low + 1}, {b0, b1}, columns > 1 ? 2 : 1};
+  if (columns < 2) return {{low, high}, {a0, a1}, 2};
+  return {{low, low + 1, high, high + 1}, {a0 * b0, a0 * b1, a1 * b0, a1 * b1}, 4};
+}
+
+/// The cell of a grid of nodes over [0, 1] that contains x, and the position within it.
+struct GridCell {
+  int index;
+  float fraction;
+
+  GridCell(float x, int nodes) {
+    // The comparison is also false for NaN, which becomes 0.
+    const float scaled = x > 0 ? std::min(x, 1.f) * float(nodes - 1) : 0.f;
+    index = std::min(int(scaled), nodes - 2);
+    fraction = scaled - float(index);
+  }
+};
+
+/// The cell of a table over the unit square that contains a point, and the position within it.
+struct SquareCell {
+  std::size_t node;  ///< index of the node at the lower left corner, counted row by row
+  int row;           ///< row of that node
+  float s, t;        ///< positions along x and y, in [0, 1]
+
+  SquareCell(Vec2 p, int width, int height) {
+    const GridCell x(p.x, width), y(p.y, height);
+    row = y.index;
+    node = std::size_t(row) * std::size_t(width) + std::size_t(x.index);
+    s = x.fraction, t = y.fraction;
+  }
+};
+
+/// Two neighbours of an array of pairs of numbers.
+template <class Pair>
+inline Four four_at(const Pair* pair) {
+  static_assert(sizeof(Pair) == 8);
+  Four four;
+  std::memcpy(&four, pair, sizeof four);
+  return four;
+}
 
 /// Tables of width x height values over the unit square with values at its corners and edges.
 class BilinearWarp {
@@ -57,8 +118,17 @@ public:
   Point sample(Vec2 u, const SliceBlend& blend) const;
   /// The inverse of `sample`: the uniform point that is mapped to `p`, with the pdf at p.
   Point invert(Vec2 p, const SliceBlend& blend) const;
-  /// The pdf at `p`.
-  float pdf(Vec2 p, const SliceBlend& blend) const;
+  /// The pdf at a point in a cell of this table.
+  float pdf(const SquareCell& cell, const SliceBlend& blend) const {
+    const std::size_t size = std::size_t(width_) * std::size_t(height_);
+    Four nodes{};
+    for (int k = 0; k < blend.count; ++k) {
+      const Node* low = nodes_.data() + blend.slice[std::size_t(k)] * size + cell.node;
+      nodes += blend.weight[std::size_t(k)] * ((1 - cell.t) * four_at(low) + cell.t * four_at(low + width_));
+    }
+    return (1 - cell.s) * nodes[0] + cell.s * nodes[2];
+  }
+  float pdf(Vec2 p, const SliceBlend& blend) const { return pdf(SquareCell(p, width_, height_), blend); }
   int width() const { return width_; }
   int height() const { return height_; }
   std::size_t bytes() const { return nodes_.size() * sizeof(Node) + rows_.size() * sizeof(Row); }
@@ -83,24 +153,16 @@ public:
   BilinearTable() = default;
   BilinearTable(int width, int height, std::vector<float> values)
       : width_(width), height_(height), values_(std::move(values)) {}
-  float at(Vec2 p) const;
+  float at(Vec2 p) const {
+    const SquareCell cell(p, width_, height_);
+    const float *low = values_.data() + cell.node, *high = low + width_;
+    return (1 - cell.t) * ((1 - cell.s) * low[0] + cell.s * low[1]) +
+           cell.t * ((1 - cell.s) * high[0] + cell.s * high[1]);
+  }
 
 private:
   int width_ = 0, height_ = 0;
   std::vector<float> values_;
-};
-
-/// The cell of a grid of nodes over [0, 1] that contains x, and the position within it.
-struct GridCell {
-  int index;
-  float fraction;
-
-  GridCell(float x, int nodes) {
-    // The comparison is also false for NaN, which becomes 0.
-    const float scaled = x > 0 ? std::min(x, 1.f) * float(nodes - 1) : 0.f;
-    index = std::min(int(scaled), nodes - 2);
-    fraction = scaled - float(index);
-  }
 };
 
 }  // namespace aureole

@@ -7,33 +7,50 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/bsdf/measured/four.h"
 #include "aureole/math/warp.h"
 
 namespace aureole {
 
-/// The angle of the point (x, y) from the x axis, for y >= 0, in [0, pi]; errors below 3e-7 rad. The polynomial is
+/// The angles of four points (x, y) from the x axis, for y >= 0, in [0, pi]; errors below 3e-7 rad. The polynomial is
 /// equation 4.4.49 of M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 1964. It takes a quarter of the
 /// time of std::atan2.
-inline float angle_above_axis(float y, float x) {
-  const float ax = std::abs(x), small = std::min(ax, y), large = std::max(ax, y);
-  const float t = large > 0 ? small / large : 0.f, z = t * t, z2 = z * z, z4 = z2 * z2;
-  const float low = (1 - 0.3333314528f * z) + (0.1999355085f - 0.1420889944f * z) * z2;
-  const float high = (0.1065626393f - 0.0752896400f * z) + (0.0429096138f - 0.0161657367f * z) * z2;
-  const float first = t * (low + (high + 0.0028662257f * z4) * z4);
-  const float octant = y > ax ? 0.5f * kPi - first : first;
+inline Four angles_above_axis(Four y, Four x) {
+  const Four ax = x < 0 ? -x : x, small = ax < y ? ax : y, large = ax < y ? y : ax;
+  const Four t = small / (large > 0 ? large : 1 - Four{}), z = t * t, z2 = z * z, z4 = z2 * z2;
+  const Four low = (1 - 0.3333314528f * z) + (0.1999355085f - 0.1420889944f * z) * z2;
+  const Four high = (0.1065626393f - 0.0752896400f * z) + (0.0429096138f - 0.0161657367f * z) * z2;
+  const Four first = t * (low + (high + 0.0028662257f * z4) * z4);
+  const Four octant = y > ax ? 0.5f * kPi - first : first;
   return x < 0 ? kPi - octant : octant;
 }
+
+/// The angle of one point from the x axis, as of four.
+inline float angle_above_axis(float y, float x) { return angles_above_axis(y - Four{}, x - Four{})[0]; }
 
 /// The azimuth of a vector in [-pi, pi].
 inline float azimuth_of(const Vec3& w) { return std::copysign(angle_above_axis(std::abs(w.y), w.x), w.y); }
 
-/// The angle of a vector from the z axis.
-inline float polar_angle(const Vec3& w) { return angle_above_axis(std::sqrt(w.x * w.x + w.y * w.y), w.z); }
-
-/// Maps a unit vector to its point of the square; v is in [0, 1].
-inline Vec2 half_vector_to_square(const Vec3& m) {
-  return {std::sqrt(polar_angle(m) * (2 * kInvPi)), azimuth_of(m) * (0.5f * kInvPi) + 0.5f};
+/// Polar angle and azimuth of a vector, whose length does not matter.
+struct Angles {
+  float theta, phi;
+};
+inline Angles angles_of(const Vec3& w) {
+  const Four angles =
+      angles_above_axis(Four{std::sqrt(w.x * w.x + w.y * w.y), std::abs(w.y), 0, 0}, Four{w.z, w.x, 0, 0});
+  return {angles[0], std::copysign(angles[1], w.y)};
 }
+
+/// The point of the square that has these angles; v is in [0, 1].
+inline Vec2 square_of(const Angles& a) {
+  return {std::sqrt(a.theta * (2 * kInvPi)), a.phi * (0.5f * kInvPi) + 0.5f};
+}
+
+/// Maps a vector to its point of the square.
+inline Vec2 half_vector_to_square(const Vec3& m) { return square_of(angles_of(m)); }
+
+/// The projection of a direction on the surface, from which isotropic tables count azimuths; the x axis for the normal.
+inline Vec2 azimuth_axis(const Vec3& w) { return w.x * w.x + w.y * w.y > 0 ? Vec2{w.x, w.y} : Vec2{1, 0}; }
 
 inline Vec3 square_to_half_vector(Vec2 p) {
   const float theta = p.x * p.x * (0.5f * kPi), sine = std::sin(theta);

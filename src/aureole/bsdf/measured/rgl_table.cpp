@@ -16,6 +16,22 @@
 #include "aureole/spectrum/rgb_primaries.h"
 
 namespace aureole {
+namespace {
+
+Spectrum load(const float* values) {
+  Spectrum s;
+  std::memcpy(s.data(), values, sizeof(float) * std::size_t(kWavelengths));
+  return s;
+}
+
+Four load_four(const float* values) {
+  Four four;
+  std::memcpy(&four, values, sizeof four);
+  return four;
+}
+
+}  // namespace
+
 RglTable::RglTable(const RglFile& file, const SpectralGrid& grid)
     : is_isotropic_(file.is_isotropic()),
       is_relative_(file.is_relative),
@@ -66,145 +82,145 @@ RglTable::RglTable(const RglFile& file, const SpectralGrid& grid)
       8);
 }
 
-RglTable::Incidence RglTable::incidence(const Vec3& wi) const {
-  Incidence i;
-  i.wi = wi;
+[[gnu::always_inline]] inline RglTable::Incidence RglTable::incidence(const Vec3& wi) const {
+  Vec3 w = wi;
+  float sign_x = 1, sign_y = 1;
   if (symmetry_ >= 2) {
     // Moves wi into the measured azimuths, which begin at -180 degrees: y is negative, and x is negative as
     // well where a quarter of the circle was measured.
-    i.sign_y = wi.y >= 0 ? -1.f : 1.f;
-    i.sign_x = symmetry_ == 4 ? (wi.x >= 0 ? -1.f : 1.f) : i.sign_y;
-    i.wi.x *= i.sign_x, i.wi.y *= i.sign_y;
+    sign_y = wi.y >= 0 ? -1.f : 1.f;
+    sign_x = symmetry_ == 4 ? (wi.x >= 0 ? -1.f : 1.f) : sign_y;
+    w.x *= sign_x, w.y *= sign_y;
   }
-  const float sine = std::sqrt(i.wi.x * i.wi.x + i.wi.y * i.wi.y);
-  const float theta = angle_above_axis(sine, wi.z);
-  i.cos_phi = sine > 0 ? i.wi.x / sine : 1.f, i.sin_phi = sine > 0 ? i.wi.y / sine : 0.f;
+  const Angles angles = angles_of(w);
   // A table with one azimuth holds for all azimuths.
-  const float phi = nodes_.first.size() > 1 ? azimuth_of(i.wi) : 0.f;
-  i.square = {std::sqrt(theta * (2 * kInvPi)), phi * (0.5f * kInvPi) + 0.5f};
-  i.blend = nodes_.at(phi, theta);
-  return i;
+  const float phi = nodes_.first.size() > 1 ? angles.phi : 0.f;
+  return {w, sign_x, sign_y, square_of({angles.theta, phi}), nodes_.at(phi, angles.theta)};
 }
 
-RglTable::HalfVector RglTable::half_vector(const Incidence& i, const Vec3& wo) const {
-  const Vec3 out{wo.x * i.sign_x, wo.y * i.sign_y, wo.z};
-  Vec3 m = normalize(i.wi + out);
-  const float cosine = dot(i.wi, m), sine = std::sqrt(m.x * m.x + m.y * m.y);
-  if (is_isotropic_) m = {m.x * i.cos_phi + m.y * i.sin_phi, m.y * i.cos_phi - m.x * i.sin_phi, m.z};
+[[gnu::always_inline]] inline RglTable::HalfVector RglTable::half_vector(const Incidence& i,
+                                                                         const Vec3& wo) const {
+  const Vec3 sum = i.wi + Vec3{wo.x * i.sign_x, wo.y * i.sign_y, wo.z};
+  // The azimuth is relative to wi in isotropic tables; lengths do not matter to it.
+  Vec3 turned = sum;
+  if (const Vec2 axis = azimuth_axis(i.wi); is_isotropic_)
+    turned.x = sum.x * axis.x + sum.y * axis.y, turned.y = sum.y * axis.x - sum.x * axis.y;
+  const float across = std::sqrt(sum.x * sum.x + sum.y * sum.y);
+  const Four angles = angles_above_axis(Four{across, std::abs(turned.y), 0, 0}, Four{sum.z, turned.x, 0, 0});
   HalfVector h;
-  h.square = half_vector_to_square(m);
-  const BilinearWarp::Point p = vndf_.invert(h.square, i.blend);
-  h.uniform = p.p;
-  h.pdf = p.pdf;
-  h.area = half_vector_area(h.square.x, sine) * 4 * cosine;
+  h.square = square_of({angles[0], std::copysign(angles[1], turned.y)});
+  const float inverse = 1 / length(sum);
+  h.area = half_vector_area(h.square.x, across * inverse) * 4 * (dot(i.wi, sum) * inverse);
   return h;
 }
 
-float RglTable::factor(const Incidence& i, const HalfVector& h) const {
+inline float RglTable::factor(const Incidence& i, const HalfVector& h) const {
   if (!is_relative_) return 1;
   const float sigma = sigma_.at(i.square);
   return sigma > 0 ? ndf_.at(h.square) / (4 * sigma) : 0.f;
 }
 
-float RglTable::density(const Incidence& i, const HalfVector& h) const {
-  const float area = h.area;
-  return area > 0 ? h.pdf * luminance_.pdf(h.uniform, i.blend) / area : 0.f;
+/// The pdf of wo, by the pdf `vndf` of the half vector and the cell of the luminance.
+inline float RglTable::density(const Incidence& i, const HalfVector& h, float vndf,
+                               const SquareCell& cell) const {
+  return h.area > 0 ? vndf * luminance_.pdf(cell, i.blend) / h.area : 0.f;
 }
 
-Spectrum RglTable::spectrum(const Incidence& i, Vec2 uniform, const Wavelengths& w) const {
+inline Spectrum RglTable::spectrum(const SliceBlend& blend, const SquareCell& cell,
+                                   const Wavelengths& w) const {
   if (!is_spectral_) {
-    const std::array<float, 3> c = channels(i, uniform);
+    const std::array<float, 3> c = channels(blend, cell);
     return primaries_[0].eval(w) * c[0] + primaries_[1].eval(w) * c[1] + primaries_[2].eval(w) * c[2];
   }
-  const GridCell x(uniform.x, width_), y(uniform.y, height_);
   const SpectralNodes::Place place = wavelengths_.at(w);
-  const std::size_t slice_size = std::size_t(width_) * std::size_t(height_) * stride_;
-  const float* const base =
-      spectra_.data() + (std::size_t(y.index) * std::size_t(width_) + std::size_t(x.index)) * stride_;
-  SpectralSum sum(place);
+  const std::size_t slice_size = std::size_t(width_) * std::size_t(height_) * stride_,
+                    row_size = std::size_t(width_) * stride_;
+  const float* const base = spectra_.data() + cell.node * stride_;
+  const float low = 1 - cell.t, high = cell.t, left = 1 - cell.s, right = cell.s;
   if (constexpr std::size_t kFew = 32; stride_ <= kFew) {
     // All wavelengths of the table at once, which lie together in memory, then those of the path.
-    constexpr std::size_t kWidth = std::size_t(kWavelengths);
-    alignas(64) float row[kFew + kWidth + 1];
-    for (std::size_t c = 0; c < stride_; c += kWidth) {
+    RegisterSum sum(place);
+    for (int c = 0; c < int(stride_); c += kWavelengths) {
       Spectrum all(0.f);
-      const auto add = [&](const float* from, float weight) {
-        Spectrum values;
-        std::memcpy(values.data(), from + c, sizeof(float) * kWidth);
-        all = all + values * weight;
-      };
-      for (int k = 0; k < i.blend.count; ++k) {
-        const float* const node = base + i.blend.slice[std::size_t(k)] * slice_size;
-        const float* const above = node + std::size_t(width_) * stride_;
-        const float weight = i.blend.weight[std::size_t(k)], low = weight * (1 - y.fraction),
-                    high = weight * y.fraction;
-        add(node, low * (1 - x.fraction)), add(node + stride_, low * x.fraction);
-        add(above, high * (1 - x.fraction)), add(above + stride_, high * x.fraction);
+      for (int k = 0; k < blend.count; ++k) {
+        const float* const node = base + blend.slice[std::size_t(k)] * slice_size + c;
+        const float* const above = node + row_size;
+        all += ((load(node) * left + load(node + stride_) * right) * low +
+                (load(above) * left + load(above + stride_) * right) * high) *
+               blend.weight[std::size_t(k)];
       }
-      std::memcpy(row + c, all.data(), sizeof(float) * kWidth);
+      sum.add(all, c);
     }
-    sum.add(row, 1);
     return sum.value();
   }
-  for (int k = 0; k < i.blend.count; ++k) {
-    const float* const node = base + i.blend.slice[std::size_t(k)] * slice_size;
-    const float* const above = node + std::size_t(width_) * stride_;
-    const float weight = i.blend.weight[std::size_t(k)], low = weight * (1 - y.fraction),
-                high = weight * y.fraction;
-    sum.add(node, low * (1 - x.fraction)), sum.add(node + stride_, low * x.fraction);
-    sum.add(above, high * (1 - x.fraction)), sum.add(above + stride_, high * x.fraction);
+  SpectralSum sum(place);
+  for (int k = 0; k < blend.count; ++k) {
+    const float* const node = base + blend.slice[std::size_t(k)] * slice_size;
+    const float* const above = node + row_size;
+    const float weight = blend.weight[std::size_t(k)];
+    sum.add(node, weight * low * left), sum.add(node + stride_, weight * low * right);
+    sum.add(above, weight * high * left), sum.add(above + stride_, weight * high * right);
   }
   return sum.value();
 }
 
-std::array<float, 3> RglTable::channels(const Incidence& i, Vec2 uniform) const {
-  const GridCell x(uniform.x, width_), y(uniform.y, height_);
-  std::array<float, 3> sum{};
-  for (int k = 0; k < i.blend.count; ++k)
-    for (int corner = 0; corner < 4; ++corner) {
-      const float factor = i.blend.weight[std::size_t(k)] * (corner & 1 ? x.fraction : 1 - x.fraction) *
-                           (corner & 2 ? y.fraction : 1 - y.fraction);
-      const std::size_t row = std::size_t(y.index + (corner >> 1)),
-                        column = std::size_t(x.index + (corner & 1));
-      const float* node =
-          spectra_.data() +
-          ((i.blend.slice[std::size_t(k)] * std::size_t(height_) + row) * std::size_t(width_) + column) *
-              stride_;
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += factor * node[c];
-    }
-  return sum;
+inline std::array<float, 3> RglTable::channels(const SliceBlend& blend, const SquareCell& cell) const {
+  // Each node has three numbers; those of the next one are loaded with them.
+  const std::size_t slice_size = std::size_t(width_) * std::size_t(height_) * 3,
+                    row_size = std::size_t(width_) * 3;
+  const float* const base = spectra_.data() + cell.node * 3;
+  const float low = 1 - cell.t, high = cell.t, left = 1 - cell.s, right = cell.s;
+  Four sum{};
+  for (int k = 0; k < blend.count; ++k) {
+    const float* const node = base + blend.slice[std::size_t(k)] * slice_size;
+    const float* const above = node + row_size;
+    sum += ((load_four(node) * left + load_four(node + 3) * right) * low +
+            (load_four(above) * left + load_four(above + 3) * right) * high) *
+           blend.weight[std::size_t(k)];
+  }
+  return {sum[0], sum[1], sum[2]};
 }
 
 Spectrum RglTable::value(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const {
   const Incidence i = incidence(wi);
   const HalfVector h = half_vector(i, wo);
-  return spectrum(i, h.uniform, w) * factor(i, h);
+  const BilinearWarp::Point uniform = vndf_.invert(h.square, i.blend);
+  return spectrum(i.blend, {uniform.p, width_, height_}, w) * factor(i, h);
 }
 
 std::array<float, 3> RglTable::rgb(const Vec3& wi, const Vec3& wo) const {
   const Incidence i = incidence(wi);
   const HalfVector h = half_vector(i, wo);
-  std::array<float, 3> c = channels(i, h.uniform);
+  std::array<float, 3> c = channels(i.blend, {vndf_.invert(h.square, i.blend).p, width_, height_});
   for (float& x : c) x *= factor(i, h);
   return c;
 }
 
 float RglTable::pdf(const Vec3& wi, const Vec3& wo) const {
   const Incidence i = incidence(wi);
-  return density(i, half_vector(i, wo));
+  const HalfVector h = half_vector(i, wo);
+  const BilinearWarp::Point uniform = vndf_.invert(h.square, i.blend);
+  return density(i, h, uniform.pdf, {uniform.p, width_, height_});
 }
 
 BsdfEval RglTable::eval_pdf(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const {
   const Incidence i = incidence(wi);
   const HalfVector h = half_vector(i, wo);
-  return {spectrum(i, h.uniform, w) * factor(i, h), density(i, h)};
+  const BilinearWarp::Point uniform = vndf_.invert(h.square, i.blend);
+  const SquareCell cell(uniform.p, width_, height_);
+  return {spectrum(i.blend, cell, w) * factor(i, h), density(i, h, uniform.pdf, cell)};
 }
 
 Vec3 RglTable::sample(const Vec3& wi, Vec2 u) const {
   const Incidence i = incidence(wi);
   const Vec2 uniform = luminance_.sample(u, i.blend).p, square = vndf_.sample(uniform, i.blend).p;
   Vec3 m = square_to_half_vector(square);
-  if (is_isotropic_) m = {m.x * i.cos_phi - m.y * i.sin_phi, m.y * i.cos_phi + m.x * i.sin_phi, m.z};
+  if (is_isotropic_) {
+    const Vec2 axis = azimuth_axis(i.wi);
+    const float inverse = 1 / std::sqrt(axis.x * axis.x + axis.y * axis.y), c = axis.x * inverse,
+                s = axis.y * inverse;
+    m = {m.x * c - m.y * s, m.y * c + m.x * s, m.z};
+  }
   const Vec3 wo = 2 * dot(m, i.wi) * m - i.wi;
   return {wo.x * i.sign_x, wo.y * i.sign_y, wo.z};
 }

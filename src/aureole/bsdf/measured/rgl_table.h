@@ -38,23 +38,20 @@ private:
   struct Incidence {
     Vec3 wi;
     float sign_x = 1, sign_y = 1;
-    /// cosine and sine of the azimuth to which isotropic tables relate the azimuths of half vectors
-    float cos_phi, sin_phi;
-    Vec2 square;  ///< coordinates of the direction in the unit square
+    Vec2 square;  ///< coordinates in the unit square
     SliceBlend blend;
   };
-  /// A half vector in the square, and its point in the square that the vndf maps to it.
+  /// The half vector of two directions.
   struct HalfVector {
-    Vec2 square, uniform;
-    float pdf = 0;   ///< pdf of the vndf at `square`
-    float area = 0;  ///< 4 (wi.m) dm / d(square): solid angle of wo per area of the square
+    Vec2 square;  ///< coordinates in the unit square
+    float area;   ///< 4 (wi.m) dm / d(square): solid angle of wo per area of the square
   };
   Incidence incidence(const Vec3& wi) const;
   HalfVector half_vector(const Incidence& i, const Vec3& wo) const;
   float factor(const Incidence& i, const HalfVector& h) const;
-  float density(const Incidence& i, const HalfVector& h) const;
-  Spectrum spectrum(const Incidence& i, Vec2 uniform, const Wavelengths& w) const;
-  std::array<float, 3> channels(const Incidence& i, Vec2 uniform) const;
+  float density(const Incidence& i, const HalfVector& h, float vndf, const SquareCell& cell) const;
+  Spectrum spectrum(const SliceBlend& blend, const SquareCell& cell, const Wavelengths& w) const;
+  std::array<float, 3> channels(const SliceBlend& blend, const SquareCell& cell) const;
 
   bool is_isotropic_ = true, is_relative_ = true, is_spectral_ = false;
   /// divisor of the circle that was measured: 1 all azimuths, 2 half of them, 4 a quarter

@@ -2,6 +2,7 @@
 #include "aureole/bsdf/measured/spectral_nodes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace aureole {
@@ -18,6 +19,11 @@ SpectralNodes::SpectralNodes(const SpectralGrid& grid, std::span<const float> nm
   is_single_ = nm_.size() == 1;
   if (is_single_) nm_.push_back(nm_[0] + 1);
   for (std::size_t i = 0; i + 1 < nm_.size(); ++i) inverse_step_.push_back(1 / (nm_[i + 1] - nm_[i]));
+  const double step = (double(nm_.back()) - double(nm_.front())) / double(nm_.size() - 1);
+  is_even_ = true;
+  for (std::size_t i = 0; i < nm_.size(); ++i)
+    is_even_ &= std::abs(double(nm_[i]) - double(nm_[0]) - step * double(i)) < 5e-7 * double(nm_.back());
+  if (is_even_) inverse_step_[0] = float(1 / step);
   for (int c = 0; c < grid.cells; ++c) {
     const auto above = std::upper_bound(nm_.begin(), nm_.end() - 1, float(grid.node(c))) - nm_.begin();
     const std::size_t below = above > 0 ? std::size_t(above) - 1 : 0;

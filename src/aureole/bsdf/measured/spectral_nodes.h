@@ -38,6 +38,16 @@ public:
   };
   Place at(const Wavelengths& w) const {
     Place p;
+    if (is_even_) {
+      // Gathering from tables would take longer than all else here.
+      const Spectrum scaled = min(max((w.nm - nm_[0]) * inverse_step_[0], 0.f), float(inverse_step_.size()));
+      const SpectrumMask last = int(inverse_step_.size()) - 1 - SpectrumMask{},
+                         below = __builtin_convertvector(scaled.v, SpectrumMask),
+                         index = below < last ? below : last;
+      std::memcpy(p.index, &index, sizeof index);
+      p.fraction = scaled - Spectrum(__builtin_convertvector(index, SpectrumVector));
+      return p;
+    }
     const std::int32_t* const guess = guess_.data();
     const float* const bound = bound_.data();
     for (int j = 0; j < kWavelengths; ++j)
@@ -57,6 +67,7 @@ public:
 private:
   std::size_t first_ = 0;
   bool is_single_ = false;
+  bool is_even_ = false;  ///< whether nodes are equidistant but for the rounding of their wavelengths
   std::vector<float> nm_, inverse_step_;
   bool cells_hold_several_ = false;  ///< whether some cell of the grid contains more than one node
   std::vector<std::int32_t> guess_;  ///< for each cell of the grid, the node at or below its lower end
@@ -109,6 +120,31 @@ private:
   __m256 low_ = _mm256_setzero_ps(), high_ = _mm256_setzero_ps();
 #endif
   Spectrum below_{0.f}, above_{0.f};
+};
+
+/// The spectrum of a path's wavelengths, from a row of values that is given in parts of kWavelengths values each, which stay in
+/// registers. For tables with few wavelengths.
+class RegisterSum {
+public:
+  explicit RegisterSum(const SpectralNodes::Place& place) : fraction_(place.fraction) {
+    std::memcpy(&index_, place.index, sizeof index_);
+  }
+
+  /// The values of the row from the wavelength of index `first` on.
+  void add(const Spectrum& values, int first) {
+    below_ += pick(values, index_ - first);
+    above_ += pick(values, index_ + 1 - first);
+  }
+  Spectrum value() const { return below_ + (above_ - below_) * fraction_; }
+
+private:
+  static Spectrum pick(const Spectrum& values, SpectrumMask index) {
+    const SpectrumMask is_inside = (index >= 0) & (index < kWavelengths);
+    return is_inside ? __builtin_shuffle(values.v, index) : Spectrum(0.f).v;
+  }
+
+  SpectrumMask index_;
+  Spectrum fraction_, below_{0.f}, above_{0.f};
 };
 
 }  // namespace aureole

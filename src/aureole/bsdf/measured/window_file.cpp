@@ -8,6 +8,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <pugixml.hpp>
 #include <utility>
 
@@ -261,9 +263,12 @@ double NumberReader::number() {
   double value = 0;
   const char* begin = rest_.data() + (rest_.front() == '+' ? 1 : 0);
   const auto [end, code] = std::from_chars(begin, rest_.data() + rest_.size(), value);
+  // strtod tells numbers that are too large, which become infinite, from those that are too small.
   if (code == std::errc::result_out_of_range && end > begin)
-    value = 0;  // the number is below the smallest representable one
-  else if (code != std::errc() || !std::isfinite(value))
+    value = std::strtod(std::string(begin, end).c_str(), nullptr);
+  else if (code != std::errc())
+    value = std::numeric_limits<double>::infinity();
+  if (!std::isfinite(value))
     throw error(fmt::format("\"{}\" is not a number", std::string(rest_.substr(0, 20))));
   rest_.remove_prefix(std::size_t(end - rest_.data()));
   return value;

@@ -31,6 +31,13 @@ bool Specimen::is_translucent() const {
   return has(bsdf->lobes(), Lobe::transmit) || has(bsdf->lobes(), Lobe::null);
 }
 
+double Specimen::index_behind(const SpectralGrid& grid) const {
+  Spectrum n(1.f), outside(1.f);
+  const Wavelengths w = Wavelengths::at(grid, float(0.5 * (grid.min_nm + grid.max_nm)));
+  if (is_slab() || !bsdf || !is_translucent() || !bsdf->interior_index(w, n)) return 1;
+  return double(bsdf->exterior_index(w, outside) ? n[0] / outside[0] : n[0]);
+}
+
 LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::string& id,
                              const LoadOptions& options, double thickness_m) {
   const LoadedObjects loaded = load_objects(file, options);
@@ -50,9 +57,13 @@ LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::strin
     s.bsdf = bsdf;
     if (!primitive) continue;
     s.medium = primitive->media.inside, s.bssrdf = primitive->media.bssrdf;
-    if (s.medium || s.bssrdf)
-      s.thickness_m =
-          thickness_m > 0 ? thickness_m : smallest_extent(primitive->bounds()) * result.length_unit_m;
+    const double extent = smallest_extent(primitive->bounds()) * result.length_unit_m;
+    // Clear glass is a slab as well, unless the shape is flat: then it is the surface of a body.
+    const bool is_glass = s.index_behind(result.grid) != 1 && (thickness_m > 0 || extent > 0);
+    if (s.medium || s.bssrdf || is_glass) s.thickness_m = thickness_m > 0 ? thickness_m : extent;
+    if (is_glass && !s.medium && !s.bssrdf)
+      result.notes.push_back(fmt::format("{}: \"{}\" is measured as a clear slab of {:g} mm", file.string(),
+                                         id, 1e3 * s.thickness_m));
     if ((s.medium || s.bssrdf) && !(s.thickness_m > 0))
       throw Error(
           {file.string(), 0, 0},
@@ -71,7 +82,7 @@ LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::strin
     throw Error(
         {file.string(), 0, 0},
         fmt::format(
-            "--thickness: \"{}\" has no medium inside; name a shape with an interior medium or a BSSRDF",
+            "--thickness: \"{}\" has no medium inside; name a shape with an interior medium or a BSSRDF, or of glass",
             id));
   return result;
 }

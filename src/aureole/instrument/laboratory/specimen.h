@@ -27,6 +27,9 @@ struct Specimen {
   bool is_slab() const { return thickness_m > 0; }
   /// Whether light may pass: a slab, or a BSDF that transmits.
   bool is_translucent() const;
+  /// The largest index of refraction, of the middle of the grid, of the body behind a surface without depth, in which light that
+  /// passes goes on; 1: air.
+  double index_behind(const SpectralGrid& grid) const;
 };
 
 /// A specimen with the grid of wavelengths and the unit of length of its scene, which an instrument takes over.
@@ -37,8 +40,8 @@ struct LoadedSpecimen {
   std::vector<std::string> notes;
 };
 
-/// The BSDF of that id in a scene, or the BSDF of the shape of that id, with its interior medium or BSSRDF as a slab.
-/// `thickness_m` is that of the slab; 0: the smallest extent of the shape's bounding box. Throws Error, located at the
+/// The BSDF of that id in a scene, or the BSDF of the shape of that id, with its interior medium, its BSSRDF or its index of
+/// refraction as a slab. `thickness_m` is that of the slab; 0: the smallest extent of the shape's bounding box. Throws Error, located at the
 /// file, where there is no such id, and for a thickness of a surface without depth.
 LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::string& id,
                              const LoadOptions& options, double thickness_m);

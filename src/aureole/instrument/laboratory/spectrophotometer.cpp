@@ -252,6 +252,11 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
   const SpectrophotometerScenes scenes(bench, s);
   const MeasuringGeometry& g = s.geometry;
   const std::size_t n = bench.bands().nm.size();
+  if (const double index = specimen.index_behind(bench.grid()); g.transmits && index != 1)
+    throw Error(fmt::format(
+        "\"{}\" is the surface of a body of index {:.4g}, in which transmitted light would go on: name a shape with "
+        "thickness, which becomes a slab, or take `thindielectric`",
+        specimen.name, index));
   MeasuredSpectrum m;
   m.nm = bench.bands().nm, m.notes = bench.notes();
   MeasuredSpectrum::Cause tracing{"tracing", std::vector<double>(n)};

@@ -2,9 +2,12 @@
 #include "aureole/instrument/measured/bsdf_conversion.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 
 #include "aureole/bsdf/measured/rgl_file.h"
 #include "aureole/bsdf/measured/window_file.h"
@@ -109,9 +112,25 @@ ConvertedBsdf convert_bsdf(const ConvertibleBsdf& material, const std::string& i
   if (report.has_delta && format != "klems" && format != "tensor_tree")
     note(
         "delta lobes (mirrors, clear glass) have no finite values and are left out; Klems files and tensor trees hold them");
+  const BsdfConversionSettings usual;
+  const auto note_unused = [&](bool is_given, const char* option,
+                               std::initializer_list<const char*> formats) {
+    if (is_given && std::find(formats.begin(), formats.end(), format) == formats.end())
+      note(fmt::format("--{} has no effect on {} files; it is for {}", option, format,
+                       fmt::join(formats, ", ")));
+  };
+  note_unused(s.basis != usual.basis, "basis", {"klems"});
+  note_unused(s.tolerance != usual.tolerance, "tolerance", {"tensor_tree"});
+  note_unused(s.samples > 0, "samples", {"klems", "tensor_tree"});
+  note_unused(s.normals != usual.normals, "normals", {"rgl"});
+  note_unused(s.resolution > 0, "resolution", {"rgl", "tensor_tree"});
+  note_unused(s.angles > 0, "angles", {"rgl", "csv", "zemax"});
+  note_unused(s.azimuths > 0, "azimuths", {"rgl", "tensor_tree", "csv"});
   const bool is_isotropic = s.azimuths > 0 ? s.azimuths == 1 : report.is_isotropic;
   if (is_isotropic && !report.is_isotropic)
     note("the material is anisotropic; one azimuth of incidence is written");
+  // Below the rounding of single precision averages are no repair.
+  const bool is_reciprocal = report.mean_asymmetry < 1e-5;
   const std::string name = s.description.empty() ? input : s.description;
   std::string& content = converted.content;
   if (format == "rgl") {
@@ -133,6 +152,7 @@ ConvertedBsdf convert_bsdf(const ConvertibleBsdf& material, const std::string& i
               : s.basis == "half" ? "LBNL/Klems Half"
                                   : "LBNL/Klems Quarter";
     if (s.samples > 0) w.samples = s.samples;
+    w.is_reciprocal = is_reciprocal;
     w.name = std::filesystem::path(name).filename().string(), w.manufacturer = "aureole";
     content = klems_file_content(probe, w);
   } else if (format == "tensor_tree") {
@@ -144,6 +164,7 @@ ConvertedBsdf convert_bsdf(const ConvertibleBsdf& material, const std::string& i
         throw Error(fmt::format("--resolution {}: a power of two is expected for a tree", s.resolution));
     }
     if (s.samples > 0) w.samples = s.samples;
+    w.is_reciprocal = is_reciprocal;
     w.name = std::filesystem::path(name).filename().string(), w.manufacturer = "aureole";
     content = tensor_tree_file_content(probe, w);
   } else if (format == "csv") {

@@ -25,6 +25,7 @@ public:
   std::size_t channels() const { return nm_.size(); }
   const Bsdf& bsdf() const { return *bsdf_; }
   const SpectralGrid& grid() const { return grid_; }
+  bool makes_reciprocal() const { return make_reciprocal_; }
 
   /// Sets out[c] to f [1/sr], without the cosine, at wavelength c in radiance mode. A table of these values,
   /// with wi as its direction of incidence, gives the pictures that the BSDF gives. Directions may lie on any

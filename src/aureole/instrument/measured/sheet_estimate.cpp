@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "aureole/core/error.h"
 #include "aureole/core/parallel.h"
@@ -57,6 +58,25 @@ float van_der_corput(std::uint32_t k) {
   return std::min(float(reversed) * 0x1p-32f, 0x1.fffffep-1f);
 }
 
+/// Replaces both estimates of f between two directions, where the light travels either way, by their mean. Incident and outgoing
+/// patches are those of one partition that has with each patch the one on the other side of the normal.
+void average_reciprocal_pairs(const DirectionPatches& patches, SheetScattering& found) {
+  const std::size_t n = patches.count;
+  std::vector<std::size_t> opposite(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3 d = patches.sample(k, {0.5f, 0.5f});
+    opposite[k] = std::min(patches.at({-d.x, -d.y, d.z}), n - 1);
+  }
+  // Incident patches are rotated by 180 degrees. Transmitted light of one side is exchanged with that of the other.
+  for (const auto& [there, back] : {std::pair{0, 0}, std::pair{2, 2}, std::pair{1, 3}})
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t o = 0; o < n; ++o) {
+        double &a = found.f[std::size_t(there)][i * n + o],
+               &b = found.f[std::size_t(back)][opposite[o] * n + opposite[i]];
+        a = b = 0.5 * (a + b);
+      }
+}
+
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text)
@@ -67,7 +87,8 @@ std::string escaped(const std::string& text) {
 }  // namespace
 
 SheetScattering estimate_sheet(const ScatteringProbe& probe, const DirectionPatches& incident,
-                               const DirectionPatches& outgoing, int samples, int even, bool prefers_even) {
+                               const DirectionPatches& outgoing, int samples, int even, bool prefers_even,
+                               bool is_reciprocal) {
   const std::size_t n = incident.count, m = outgoing.count;
   const std::array<float, kWavelengths> visible = visible_wavelengths(probe.grid());
   const bool transmits = has(probe.bsdf().lobes(), Lobe::transmit);
@@ -93,6 +114,13 @@ SheetScattering estimate_sheet(const ScatteringProbe& probe, const DirectionPatc
     const auto add = [&](bool transmitted, std::size_t o, double value) {
       row(transmitted)[std::ptrdiff_t(o)] += value / outgoing.projected(o);
     };
+    // f |cos theta_o| of one direction of the light, or the mean of both.
+    const auto value_of = [&](const Vec3& wi, const Vec3& wo, const Spectrum& forward,
+                              const BsdfContext& ctx) {
+      if (!probe.makes_reciprocal()) return double(mean(forward));
+      const double backward = double(mean(probe.bsdf().eval(wo, wi, ctx))) * double(std::abs(wo.z / wi.z));
+      return 0.5 * (double(mean(forward)) + backward);
+    };
     const auto even_density = [&](std::size_t o, float cosine) {
       return even * std::abs(double(cosine)) / outgoing.projected(o);
     };
@@ -103,13 +131,15 @@ SheetScattering estimate_sheet(const ScatteringProbe& probe, const DirectionPatc
         Vec3 wi;
         const Wavelengths w = prepare(k, wi);
         const std::array<float, 4> u = recurrent_numbers(std::size_t(k));
-        const auto sample = probe.bsdf().sample(wi, van_der_corput(std::uint32_t(k)), {u[2], u[3]},
-                                                {w, point, TransportMode::radiance, key(k)});
+        const BsdfContext ctx{w, point, TransportMode::radiance, key(k)};
+        const auto sample = probe.bsdf().sample(wi, van_der_corput(std::uint32_t(k)), {u[2], u[3]}, ctx);
         if (!sample || !(mean(sample->pdf) > 0)) continue;
         const bool transmitted = (sample->wo.z > 0) != (wi.z > 0);
         const std::size_t o = outgoing.at({sample->wo.x, sample->wo.y, std::abs(sample->wo.z)});
         if (o >= m) continue;
-        const double value = double(mean(sample->value)), density = samples * double(mean(sample->pdf));
+        const double value = sample->is_delta() ? double(mean(sample->value))
+                                                : value_of(wi, sample->wo, sample->value, ctx),
+                     density = samples * double(mean(sample->pdf));
         if (!sample->is_delta()) light += value / density;
         if (only_delta && !sample->is_delta()) continue;
         add(transmitted, o, value / (density + (sample->is_delta() ? 0 : even_density(o, sample->wo.z))));
@@ -129,8 +159,9 @@ SheetScattering estimate_sheet(const ScatteringProbe& probe, const DirectionPatc
             Vec3 wo = outgoing.sample(o, {u[2], u[3]});
             if ((wi.z > 0) == transmitted) wo.z = -wo.z;
             if (wo.z == 0) continue;
-            const BsdfEval e = probe.bsdf().eval_pdf(wi, wo, {w, point, TransportMode::radiance, key(k)});
-            const double value = double(mean(e.value)), density = even_density(o, wo.z);
+            const BsdfContext ctx{w, point, TransportMode::radiance, key(k)};
+            const BsdfEval e = probe.bsdf().eval_pdf(wi, wo, ctx);
+            const double value = value_of(wi, wo, e.value, ctx), density = even_density(o, wo.z);
             if (!(value > 0)) continue;
             light += value / density;
             add(transmitted, o, value / (density + (alone ? 0 : samples * double(mean(e.pdf)))));
@@ -156,6 +187,7 @@ SheetScattering estimate_sheet(const ScatteringProbe& probe, const DirectionPatc
         for (std::size_t job = begin; job < end; ++job) probe.check_stop(), estimate_patch(job);
       },
       1);
+  if ((is_reciprocal || probe.makes_reciprocal()) && n == m) average_reciprocal_pairs(outgoing, found);
   return found;
 }
 

@@ -30,10 +30,12 @@ struct SheetScattering {
 /// `incident` patches give the direction towards the light; it is turned by 180 degrees about the normal, so that undeviated light
 /// stays in the patch of equal number. `samples` of the BSDF are taken for each incident patch and side, and `even` directions
 /// for each pair of patches; the balance heuristic (Veach 1995) combines them. With `prefers_even` samples count for delta lobes
-/// alone, which has less noise in small patches, unless even directions miss 3 % of the light. Throws Error where the grid holds
-/// nothing of the visible range.
+/// alone, which has less noise in small patches, unless even directions miss 3 % of the light. With `is_reciprocal`, which says so
+/// of the BSDF, and equal partitions of both hemispheres f(i, o) and f(o, i) become the mean of their estimates; a probe that makes
+/// reciprocal evaluates both directions of the light. Throws Error where the grid holds nothing of the visible range.
 SheetScattering estimate_sheet(const ScatteringProbe& probe, const DirectionPatches& incident,
-                               const DirectionPatches& outgoing, int samples, int even, bool prefers_even);
+                               const DirectionPatches& outgoing, int samples, int even, bool prefers_even,
+                               bool is_reciprocal);
 
 /// The head of an XML file of WINDOW's schema up to the definition of its data, which `data` completes, and a block of numbers.
 std::string window_file_head(const std::string& name, const std::string& manufacturer,

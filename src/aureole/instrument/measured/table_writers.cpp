@@ -33,7 +33,8 @@ std::string klems_file_content(const ScatteringProbe& probe, const KlemsWriterSe
   const DirectionPatches all{n, [&](std::size_t k, Vec2 u) { return patches.sample(k, u); },
                              [&](const Vec3& d) { return std::size_t(patches.at(d.x, d.y, d.z)); },
                              [&](std::size_t k) { return double(patches.projected_solid_angle(k)); }};
-  const SheetScattering found = estimate_sheet(probe, all, all, s.samples, std::max(s.samples / 4, 1), false);
+  const SheetScattering found =
+      estimate_sheet(probe, all, all, s.samples, std::max(s.samples / 4, 1), false, s.is_reciprocal);
   std::string data = fmt::format(
       "\t\t<IncidentDataStructure>Columns</IncidentDataStructure>\n\t\t<AngleBasis>\n\t\t\t<AngleBasisName>{}</AngleBasisName>\n",
       basis->name);

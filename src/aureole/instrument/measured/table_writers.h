@@ -15,6 +15,8 @@ struct KlemsWriterSettings {
   /// samples of the BSDF for each incident patch and side; a quarter as many uniform directions for each pair
   /// of patches
   int samples = 1024;
+  bool is_reciprocal =
+      false;  ///< whether the BSDF is known to be: both estimates of a pair of patches are averaged
   std::string name, manufacturer;
 };
 /// Means over pairs of patches, by samples of the BSDF, with delta lobes; the visible range under CIE D65 for the observer

@@ -124,7 +124,8 @@ std::string tensor_tree_file_content(const ScatteringProbe& probe, const TensorT
   // Directions for each pair of cells: more of them in large cells, within which the scattering changes.
   const std::size_t pairs = incident.count * outgoing.count;
   const int even = int(std::clamp<std::size_t>((std::size_t(1) << 23) / pairs, 4, 64));
-  const SheetScattering found = estimate_sheet(probe, incident, outgoing, s.samples, even, true);
+  const SheetScattering found =
+      estimate_sheet(probe, incident, outgoing, s.samples, even, true, s.is_reciprocal);
   std::string text = window_file_head(
       s.name, s.manufacturer,
       fmt::format("\t\t<IncidentDataStructure>TensorTree{}</IncidentDataStructure>\n", rank));

@@ -14,6 +14,8 @@ struct TensorTreeSettings {
   /// Sibling cells are merged where their values differ by less than this part of their mean, or of the least mean that matters
   double tolerance = 0.05;
   int samples = 4096;  ///< of the BSDF for each incident cell and side
+  /// Whether the BSDF is known to be reciprocal: both estimates of a pair of cells of rank 4 are averaged, and cells are merged alike.
+  bool is_reciprocal = false;
   std::string name, manufacturer;
 };
 /// Trees of reflection and transmission, front and back (G. Ward, M. Kurt and N. Bonneel, LBNL report 5954E, 2012): the visible range
