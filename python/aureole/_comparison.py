@@ -224,17 +224,9 @@ class FileInfo(Table):
                 if self.kind == "scene"
                 else Image._of(_aureole.state_picture(self.path)) if self.kind == "state" else read_image(self.path)
             )
-            _plot_picture(axes, image, exposure)
+            image.plot(axes, exposure)
         axes.set_title(os.path.basename(self.path))
         return axes
-
-
-def _plot_picture(axes: Any, image: Image, exposure: float) -> None:
-    if {"R", "G", "B"} <= set(image.channels) or "Y" in image.channels:
-        axes.imshow(image.tonemap(exposure))
-    else:
-        axes.figure.colorbar(axes.imshow(image.array[..., 0]), ax=axes, label=image.channels[0])
-    axes.set_axis_off()
 
 
 def _plot_slice(axes: Any, path: str, kind: str, axis: str) -> None:

@@ -231,6 +231,29 @@ class Image:
         """
         self._picture.save(file_path("path", path), scalar("exposure", exposure, minimum=-200, maximum=200))
 
+    def plot(self, ax: Any = None, exposure: float = 0.0) -> Any:
+        """The picture as a display shows it (`tonemap`); channels without colours by the first one, with a scale.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        exposure : float
+            In stops.
+
+        Returns
+        -------
+        matplotlib Axes
+        """
+        from ._plot_support import axes_for
+
+        axes = axes_for(ax)
+        if {"R", "G", "B"} <= set(self.channels) or "Y" in self.channels:
+            axes.imshow(self.tonemap(exposure))
+        else:
+            axes.figure.colorbar(axes.imshow(self.array[..., 0]), ax=axes, label=self.channels[0])
+        axes.set_axis_off()
+        return axes
+
     def _repr_png_(self) -> Optional[bytes]:
         try:
             png: bytes = self._picture.png(0.0)

@@ -17,6 +17,7 @@ from ._correlations import PairCorrelation, PointStructureFactor
 from ._dict import plugins
 from ._errors import Error
 from ._image import Image
+from ._results import Table
 from ._units import length_m
 from ._wording import python_names
 from .spectrum import srgb_decode
@@ -45,7 +46,7 @@ class Estimate(NamedTuple):
 
 
 @dataclasses.dataclass(frozen=True)
-class Particles:
+class Particles(Table):
     """A table with a row for each particle: arrays of shape (n,). Lengths in m, x to the right and y down from the
     picture's upper left corner.
 
@@ -86,9 +87,14 @@ class Particles:
     def __len__(self) -> int:
         return len(self.x)
 
+    def columns(self) -> Dict[str, Any]:
+        """A row for each particle, without its outline."""
+        units = {"x": "_m", "y": "_m", "radius": "_m", "area": "_m2", "angle": "_deg"}
+        return {f.name + units.get(f.name, ""): getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "outline"}
+
 
 @dataclasses.dataclass(frozen=True, repr=False)
-class Microstructure:
+class Microstructure(Table):
     """Result of `microstructure`. Lengths in m.
 
     Attributes
@@ -144,6 +150,18 @@ class Microstructure:
     notes: List[str]
     scene_text: str
     _result: Any
+
+    def columns(self) -> Dict[str, Any]:
+        """A row for each measured quantity, with its unit and its 95 % confidence interval; `particles` has a table of its own."""
+        units = {"area_fraction": "1", "covered_fraction": "1", "density": "1/m^2", "correlation_radius": "m", "mean_radius": "m",
+                 "radius_deviation": "m", "log_deviation": "1"}
+        rows = [(name, unit, getattr(self, name)) for name, unit in units.items()]
+        rows += [(f"radius_quantile_{part:g}", "m", estimate) for part, estimate in self.radius_quantiles.items()]
+        return {"quantity": [name for name, _, _ in rows], "unit": [unit for _, unit, _ in rows],
+                **{end: [getattr(estimate, end) for _, _, estimate in rows] for end in Estimate._fields}}
+
+    def _title(self) -> str:
+        return str(self)
 
     def material(self, folder: "str | os.PathLike[str] | None" = None) -> Dict[str, Any]:
         """The measured layer as a dict for `load_dict`.

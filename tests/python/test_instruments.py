@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Instruments that the command line has, too: their figures are the program's; tables, HTML, plots; errors in Python's words."""
 import csv
+import inspect
 import io
 import json
 import os
@@ -53,6 +54,20 @@ def test_every_command_is_decided():
     assert names == set(FUNCTIONS) | set(PACKAGES) | COMMAND_LINE_ONLY
     for function in FUNCTIONS.values():
         assert callable(getattr(aureole, function)) and function in aureole.__all__
+
+
+def test_every_result_can_be_seen_and_kept():
+    """Results of commands have plots, tables for files and HTML; pictures are seen as PNG and saved as pictures."""
+    seen = 0
+    for function in FUNCTIONS.values():
+        for name in re.findall(r"\w+", str(inspect.signature(getattr(aureole, function)).return_annotation)):
+            result = getattr(aureole, name, None)
+            if not inspect.isclass(result):
+                continue
+            methods = ("plot", "save", "_repr_png_") if result is aureole.Image else ("plot", "to_csv", "_repr_html_")
+            assert [m for m in methods if not callable(getattr(result, m, None))] == [], name
+            seen += 1
+    assert seen >= len(FUNCTIONS) - 1  # convert writes a file
 
 
 def test_layer(folder):
@@ -147,6 +162,7 @@ def test_plots_of_info(folder, small_scene):
     pixels = aureole.read_image(folder / "a.exr").tonemap(1.5)
     axes = shown("a.exr", exposure=1.5)
     assert np.array_equal(axes.images[0].get_array(), pixels) and axes.get_title() == "a.exr"
+    assert np.array_equal(image.plot().images[0].get_array(), image.tonemap())
 
     aureole.Image(np.arange(6, dtype=np.float32).reshape(2, 3, 1), ["depth"]).save(folder / "depth.exr")
     assert np.array_equal(shown("depth.exr").images[0].get_array(), [[0, 1, 2], [3, 4, 5]])

@@ -160,6 +160,20 @@ def test_photograph(repository, tmp_path):
         found.save(tmp_path / "other")
 
 
+def test_tables(found, tmp_path):
+    found.to_csv(tmp_path / "a.csv")
+    rows = [line.split(",") for line in (tmp_path / "a.csv").read_text().splitlines()]
+    assert rows[0] == ["quantity", "unit", "value", "low", "high"]
+    table = {row[0]: row[1:] for row in rows[1:]}
+    assert table["mean_radius"] == ["m", *(str(v) for v in found.mean_radius)] and table["density"][0] == "1/m^2"
+    assert {name for name in table if name.startswith("radius_quantile")} == {f"radius_quantile_{p:g}" for p in found.radius_quantiles}
+    assert "<td>mean_radius</td>" in found._repr_html_() and "correlation radius" in found._repr_html_()
+    particles = found.particles.to_csv().splitlines()
+    assert particles[0] == "field,x_m,y_m,radius_m,area_m2,circularity,aspect,angle_deg,cut,touching,weight"
+    assert len(particles) == len(found.particles) + 1 and float(particles[1].split(",")[3]) == found.particles.radius[0]
+    assert "<th>radius_m</th>" in found.particles._repr_html_()
+
+
 def test_it_tells_of_itself(found):
     text = repr(found)
     assert "mean radius" in text and "um" in text and "4.0" in text
