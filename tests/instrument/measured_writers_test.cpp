@@ -245,5 +245,47 @@ TEST(MeasuredWriters, ReciprocityIsReportedAndRepairedOnDemand) {
   EXPECT_LT(repaired.mean_asymmetry, 1e-4);
 }
 
+// Trees of rank 4 and Klems matrices of a reciprocal surface, and of one that is made so, are reciprocal themselves.
+TEST(MeasuredWriters, SheetsAreReciprocalOnDemand) {
+  const std::string brushed = R"(<bsdf type="roughconductor"><string name="material" value="none"/>
+      <float name="alpha_u" value="0.25"/><float name="alpha_v" value="0.6"/></bsdf>)";
+  const Setting s;
+  // The differences of f(i, o) and f(o, i) over their sums, on average: directions on the edge of two cells belong to either.
+  const auto asymmetry = [&](const Bsdf& sheet) {
+    double differences = 0, sums = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 a = direction(0.1 + 0.005 * k, 0.3 + 0.7 * k), b = direction(1.2 - 0.005 * k, 1.9 * k + 0.2);
+      const double there = double(sheet.eval(a, b, s.context())[0]) / double(b.z),
+                   back = double(sheet.eval(b, a, s.context())[0]) / double(a.z);
+      differences += std::abs(there - back), sums += there + back;
+    }
+    return differences / sums;
+  };
+  TensorTreeSettings settings;
+  settings.is_isotropic = false, settings.levels = 3, settings.samples = 256;
+  const double before = asymmetry(*tree_of(brushed, settings));
+  settings.is_reciprocal = true;
+  EXPECT_LT(asymmetry(*tree_of(brushed, settings)), 1e-3);
+  EXPECT_GT(before, 3e-3);
+  // A table whose values depend on the outgoing direction alone.
+  std::string csv = "theta_i,theta_o,phi_o,f\n";
+  for (const int theta_i : {0, 40, 80})
+    for (int theta_o = 0; theta_o <= 80; theta_o += 20)
+      for (int phi = 0; phi < 360; phi += 60)
+        csv += std::to_string(theta_i) + "," + std::to_string(theta_o) + "," + std::to_string(phi) + "," +
+               std::to_string(0.1 + 0.001 * theta_o) + "\n";
+  const std::string table = "<bsdf type=\"tabulated\"><string name=\"filename\" value=\"" +
+                            write_temporary("one_sided.csv", csv) + "\"/></bsdf>";
+  const auto klems_of = [&](bool makes_reciprocal) {
+    KlemsWriterSettings quarter;
+    quarter.basis = "LBNL/Klems Quarter", quarter.samples = 64;
+    const std::string text = klems_file_content(probe_of(table, {550}, makes_reciprocal), quarter);
+    return build<Bsdf>("<bsdf type=\"klems\"><string name=\"filename\" value=\"" +
+                       write_temporary("one_sided.xml", text) + "\"/></bsdf>");
+  };
+  EXPECT_GT(asymmetry(*klems_of(false)), 0.02);
+  EXPECT_LT(asymmetry(*klems_of(true)), 1e-3);
+}
+
 }  // namespace
 }  // namespace aureole::testing
