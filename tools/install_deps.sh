@@ -35,7 +35,7 @@ if [[ ! -d build/opencv ]] && ! { is_installed "${opencv[0]}" && is_installed "$
   mkdir -p build/opencv-unfinished
   cd build/opencv-unfinished
   # As the user who runs this: apt's own one may not write here. Lists of packages may be missing where nothing had to be installed.
-  download=(apt-get download -qq -o APT::Sandbox::User="$(id -un)" "${opencv[@]}")
+  download=(apt-get download -qq -o APT::Sandbox::User="$(id -un 2> /dev/null || echo root)" "${opencv[@]}")
   "${download[@]}" 2> /dev/null || { $sudo apt-get update -qq && "${download[@]}"; }
   for p in ./*.deb; do dpkg-deb -x "$p" .; done
   rm ./*.deb

@@ -175,6 +175,35 @@ TEST_F(LaboratoryCli, SpreadOfASlab) {
   fails({"goniometer", "m.xml#slab", "--spread", "line", "--distances", "90"}, "is not over the sample");
 }
 
+// Clear glass is a slab where its shape has a depth; a flat one is the surface of a body, however it is turned.
+TEST_F(LaboratoryCli, FlatGlassIsNoSlab) {
+  const auto pane = [](const char* id, const char* type, const char* turned) {
+    return std::string("<shape type=\"") + type + "\" id=\"" + id + "\"><transform name=\"to_world\">" +
+           turned + "</transform><bsdf type=\"dielectric\"/></shape>";
+  };
+  write("g.xml", "<scene version=\"3.0.0\">" + pane("flat", "rectangle", "") +
+                     pane("upright", "rectangle", "<rotate x=\"1\" angle=\"90\"/>") +
+                     pane("tilted", "rectangle", "<rotate x=\"1\" angle=\"30\"/>") +
+                     pane("round", "disk", "<rotate y=\"1\" angle=\"50\"/>") +
+                     pane("block", "cube", "<scale x=\"0.1\" y=\"0.1\" z=\"0.002\"/>") + "</scene>");
+  const auto transmittance = [](const char* id) -> std::vector<std::string> {
+    return {"spectrophotometer",
+            std::string("g.xml#") + id,
+            "--transmission",
+            "--geometry",
+            "0:0",
+            "--range",
+            "550,550",
+            "--paths",
+            "1024"};
+  };
+  for (const char* id : {"flat", "upright", "tilted", "round"})
+    fails(transmittance(id), "is the surface of a body of index");
+  ASSERT_EQ(run(transmittance("block")), 0) << said;
+  EXPECT_NE(said.find("is measured as a clear slab of 4 mm"), std::string::npos) << said;
+  fails({"goniometer", "g.xml#block", "--spread", "line"}, "is no slab, in which light could spread");
+}
+
 TEST_F(LaboratoryCli, PooledSpheresAndPredictedEdgeLoss) {
   ASSERT_EQ(run({"spectrophotometer", "m.xml#grey", "--geometry", "di:8", "--pooled", "--paths", "8192",
                  "--step", "50", "--json", "p.json"}),

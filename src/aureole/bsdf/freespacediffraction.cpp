@@ -2,13 +2,14 @@
 // Marks shapes whose edges diffract light. The surface itself scatters as the nested BSDF; edges are separate
 // path vertices (transport/edges.h).
 #include "aureole/bsdf/edge_diffraction.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/bsdf/nested/nested_bsdfs.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
 
-class FreeSpaceDiffraction final : public Bsdf, public EdgeDiffraction {
+class FreeSpaceDiffraction final : public Bsdf, public EdgeDiffraction, public ReflectsAsNested {
 public:
   explicit FreeSpaceDiffraction(const Properties& properties)
       : Bsdf(properties), nested_(nested_bsdfs(properties, 1).front()) {
@@ -47,6 +48,7 @@ public:
   bool needs_choice() const override { return nested_->needs_choice(); }
   bool is_constant() const override { return nested_->is_constant(); }
   bool needs_tangent() const override { return nested_->needs_tangent(); }
+  const Bsdf* reflecting() const override { return nested_.get(); }
 
 private:
   BsdfPtr nested_;

@@ -45,17 +45,20 @@ inline MirrorReflection::Amplitudes dielectric_amplitudes(float cos_i, const Spe
   return reflected;
 }
 
-/// Returns the interface of the BSDF, or of the only one that is nested in it; null if there is none.
+/// An interface of BSDFs that reflect as another one, which they hold.
+class ReflectsAsNested {
+public:
+  virtual ~ReflectsAsNested() = default;
+  /// The BSDF whose reflection it is, from both sides; null: there is none.
+  virtual const Bsdf* reflecting() const = 0;
+};
+
+/// Returns the interface of the BSDF, or of the one as which it reflects; null if there is none. A BSDF that only stands on another one, such
+/// as a coat of paint, has none of that other one.
 inline const MirrorReflection* mirror_reflection_of(const Bsdf& bsdf) {
   if (const auto* own = dynamic_cast<const MirrorReflection*>(&bsdf)) return own;
-  const Bsdf* only = nullptr;
-  for (const Properties::Entry& entry : bsdf.properties().entries())
-    if (const auto* object = std::get_if<ObjectPtr>(&entry.value))
-      if (const auto* nested = dynamic_cast<const Bsdf*>(object->get())) {
-        if (only && only != nested) return nullptr;
-        only = nested;
-      }
-  return only ? mirror_reflection_of(*only) : nullptr;
+  const auto* wrapper = dynamic_cast<const ReflectsAsNested*>(&bsdf);
+  return wrapper && wrapper->reflecting() ? mirror_reflection_of(*wrapper->reflecting()) : nullptr;
 }
 
 }  // namespace aureole

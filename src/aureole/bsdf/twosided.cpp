@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes one-sided BSDFs reflect on both sides of a surface: the local frame is flipped if wi is below.
-#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/mirror_reflection.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
 
-class TwoSided final : public Bsdf {
+class TwoSided final : public Bsdf, public ReflectsAsNested {
 public:
   explicit TwoSided(const Properties& properties) : Bsdf(properties) {
     const auto nested = properties.get_children<Bsdf>("bsdf");
@@ -51,6 +51,8 @@ public:
     if (wi.z < 0) return back_->is_passable() ? back_->null_transmittance(flip(wi), ctx) : 0.f;
     return 0.f;
   }
+
+  const Bsdf* reflecting() const override { return differ() ? nullptr : front_.get(); }
 
   double single_scattering_loss(bool from_within) const override {
     // The back BSDF is turned around: light from within hits its outside.

@@ -72,7 +72,7 @@ inline std::vector<ParameterDoc> with_diffraction_parameters(std::vector<Paramet
       {"diffraction_polarisation", "string", "", "none",
        "of the model segments. none: edges act as those of half planes that absorb; soft: as wedges with the angle between their "
        "faces, the electric field along each edge; hard: the magnetic field along it; both: the mean power of soft and hard. "
-       "Faces with a specular reflection reflect by Fresnel's amplitudes (conductor, dielectric, slab, plastic) or as metal, others absorb"});
+       "Faces of conductor, dielectric, slab and plastic reflect by Fresnel's amplitudes, other mirrors as metal, and all others absorb"});
   own.push_back(
       {"beam_width", "string", "number of wavelengths, length, or \"fresnel\" and a length", "25 wavelengths",
        "standard deviation of the beams of light in which edges are seen together: \"25 wavelengths\", \"3mm\", or "

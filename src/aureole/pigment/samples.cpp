@@ -933,7 +933,7 @@ void check(const SampleTable& table) {
         throw SampleError(s, int(i),
                           "sample \"" + sample.name + "\" at " + number_text(table.nm[i]) +
                               " nm: must be finite and not negative, got " + number_text(sample.values[i]) +
-                              right_value_line(sample, table.nm[i], false, 0));
+                              right_value_line(sample, table.nm[i], false, 0.05));
   }
 }
 

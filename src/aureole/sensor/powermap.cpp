@@ -75,10 +75,11 @@ public:
       properties().note(
           "measure",
           fmt::format(
-              "on this shape equal steps of the texture coordinates differ in their areas by a factor of {:.2g} or more: "
+              "on this shape equal steps of the texture coordinates differ in their areas {}: "
               "a cell holds the mean over its texture coordinates, and means over cells are none over the area, "
               "which an \"irradiancemeter\" measures",
-              most / std::max(least, 1e-30f)));
+              least > 1e-6f * most ? fmt::format("by a factor of {:.2g} or more", most / least)
+                                   : "so much that some have none"));
   }
 
   bool uses_lens() const override { return true; }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the illuminances of luminaires as Radiance computes them, as CSV. The first form makes data/radiance_illuminances.csv
+"""Writes the illuminances of luminaires as Radiance computes them, as CSV. The first form writes data/radiance_illuminances.csv
 beside this script, of the luminaires of the tests, which the program AUREOLE converts to LM-63:
 
     python3 make_radiance_illuminances.py --program AUREOLE

@@ -50,7 +50,7 @@ std::optional<optics::Multipole> diffusion_of(const Specimen& specimen, const Sp
 }
 
 SpreadTable measure_spread(const Bench& bench, const Specimen& specimen, const SpreadSettings& s) {
-  if (!specimen.is_slab())
+  if (!specimen.medium && !specimen.bssrdf)
     throw Error(fmt::format(
         "\"{}\" is no slab, in which light could spread: name a shape with an interior medium or a BSSRDF",
         specimen.name));

@@ -8,6 +8,7 @@
 
 #include "aureole/asset/asset.h"
 #include "aureole/core/error.h"
+#include "aureole/shape/mesh/mesh.h"
 
 namespace aureole {
 namespace {
@@ -21,6 +22,25 @@ ObjectPtr as_given(const std::shared_ptr<const T>& object) {
 double smallest_extent(const Bounds3& box) {
   const Vec3 size = box.diagonal();
   return double(std::min({size.x, size.y, size.z}));
+}
+
+/// Whether a shape lies in one plane, however that plane is turned, to 1e-4 of its size.
+bool is_flat(const Shape& shape) {
+  const auto* mesh = dynamic_cast<const Mesh*>(&shape);
+  if (!mesh) return shape.properties().type() == "disk";
+  const auto& p = mesh->data().positions;
+  Vec3 normal;
+  float largest = 0;
+  for (const TriangleIndices& t : mesh->data().triangles) {
+    const Vec3 n = cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]);
+    if (length(n) > largest) normal = n, largest = length(n);
+  }
+  if (!(largest > 0)) return true;
+  normal = normal / largest;
+  float depth = 0, size = 0;
+  for (const Vec3& v : p)
+    depth = std::max(depth, std::abs(dot(v - p[0], normal))), size = std::max(size, length(v - p[0]));
+  return depth < 1e-4f * size;
 }
 
 }  // namespace
@@ -58,8 +78,9 @@ LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::strin
     if (!primitive) continue;
     s.medium = primitive->media.inside, s.bssrdf = primitive->media.bssrdf;
     const double extent = smallest_extent(primitive->bounds()) * result.length_unit_m;
-    // Clear glass is a slab as well, unless the shape is flat: then it is the surface of a body.
-    const bool is_glass = s.index_behind(result.grid) != 1 && (thickness_m > 0 || extent > 0);
+    // Clear glass is a slab as well, unless the shape is flat, along the axes or tilted: then it is the surface of a body.
+    const bool is_glass =
+        s.index_behind(result.grid) != 1 && (thickness_m > 0 || !is_flat(*primitive->shape));
     if (s.medium || s.bssrdf || is_glass) s.thickness_m = thickness_m > 0 ? thickness_m : extent;
     if (is_glass && !s.medium && !s.bssrdf)
       result.notes.push_back(fmt::format("{}: \"{}\" is measured as a clear slab of {:g} mm", file.string(),

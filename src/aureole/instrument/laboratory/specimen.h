@@ -27,8 +27,7 @@ struct Specimen {
   bool is_slab() const { return thickness_m > 0; }
   /// Whether light may pass: a slab, or a BSDF that transmits.
   bool is_translucent() const;
-  /// The largest index of refraction, of the middle of the grid, of the body behind a surface without depth, in which light that
-  /// passes goes on; 1: air.
+  /// The index of refraction, relative to the outside and in the middle of the grid, of the body behind a surface that is no slab; 1: none.
   double index_behind(const SpectralGrid& grid) const;
 };
 

@@ -129,8 +129,8 @@ ConvertedBsdf convert_bsdf(const ConvertibleBsdf& material, const std::string& i
   const bool is_isotropic = s.azimuths > 0 ? s.azimuths == 1 : report.is_isotropic;
   if (is_isotropic && !report.is_isotropic)
     note("the material is anisotropic; one azimuth of incidence is written");
-  // Below the rounding of single precision averages are no repair.
-  const bool is_reciprocal = report.mean_asymmetry < 1e-5;
+  // Below the rounding of single precision averages are no repair. Light that is refracted into a body has another radiance there.
+  const bool is_reciprocal = report.has_values && !report.refracts && report.mean_asymmetry < 1e-5;
   const std::string name = s.description.empty() ? input : s.description;
   std::string& content = converted.content;
   if (format == "rgl") {

@@ -117,14 +117,17 @@ ScatteringReport examine(const ScatteringProbe& probe) {
   std::vector<std::pair<double, double>> found;
   double weights = 0, faults = 0, largest = 0;
   for (std::size_t k = 0; k < kPairs; ++k) {
-    const Vec3 wi = square_to_cosine_hemisphere(recurrent_point(k));
+    Vec3 wi = square_to_cosine_hemisphere(recurrent_point(k));
     Vec3 wo = square_to_cosine_hemisphere(recurrent_point(3 * k + 1));
     // Half of the pairs lie near the mirror direction, where smooth surfaces reflect.
     if (k % 2) wo = normalize(reflect(wi) + 0.3f * Vec3{wo.x, wo.y, 0});
     if (k % 2 && !(wo.z > 0.01f)) continue;
+    if (k % 16 == 0 && probe.mean({wi.x, wi.y, -wi.z}, {wo.x, wo.y, -wo.z}) > 0) r.reflects_below = true;
     if (r.transmits && k % 4 >= 2) wo.z = -wo.z;
+    // Light from below, of which every eighth pair is, once a reflection there is found.
+    if (r.reflects_below && k % 8 == 5) wi.z = -wi.z, wo.z = -wo.z;
     const double a = probe.mean(wi, wo), b = probe.mean(wo, wi),
-                 weight = double(wi.z) * std::abs(double(wo.z));
+                 weight = std::abs(double(wi.z) * double(wo.z));
     found.emplace_back(a + b, std::abs(a - b));
     weights += weight * (a + b), faults += weight * std::abs(a - b), largest = std::max(largest, a + b);
     // At normal incidence the azimuth of the incident direction is arbitrary.
@@ -132,8 +135,8 @@ ScatteringReport examine(const ScatteringProbe& probe) {
       const double phi = 0.7 + 0.01 * double(k);
       if (std::abs(probe.mean(turned(wi, phi), turned(wo, phi)) - a) > 1e-3 * a) r.is_isotropic = false;
     }
-    if (k % 16 == 0 && probe.mean({wi.x, wi.y, -wi.z}, {wo.x, wo.y, -wo.z}) > 0) r.reflects_below = true;
   }
+  r.has_values = weights > 0;
   r.mean_asymmetry = weights > 0 ? faults / weights : 0;
   for (const auto& [sum, difference] : found)
     if (sum > 0.01 * largest) r.largest_asymmetry = std::max(r.largest_asymmetry, difference / sum);

@@ -62,6 +62,7 @@ struct ScatteringReport {
   double mean_asymmetry = 0, largest_asymmetry = 0;
   /// f does not change by more than 0.1 % when both directions turn about the normal
   bool is_isotropic = true;
+  bool has_values = false;  ///< beside delta lobes, which have no part in the asymmetry
   bool has_delta = false, transmits = false, reflects_below = false;
   bool refracts = false;  ///< there are different indices of refraction on the two sides
 
