@@ -428,5 +428,27 @@ TEST(Exposure, ShortPulsesAreFound) {
     expect_time_mean(receiver(shutter(0, 0.1)) + lamp(pulses), 2, 1024, integrator);
 }
 
+// A pulsed and a steady ball of equal power over a white floor. Rays of the BSDF find them as often as light sampling does, so that MIS weights
+// are right only if all of its densities are those at the time of the path. A ball of the angular radius alpha gives pi L sin^2(alpha)
+// cos(theta).
+TEST(Exposure, BallsThatFlashBesideSteadyOnes) {
+  const auto ball = [](double x, const std::string& modulation) {
+    return "<shape type='sphere'><point name='center' x='" + std::to_string(x) +
+           "' y='0' z='2'/><bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>"
+           "<emitter type='area'><string name='amount' value='1000 cd/m^2'/>" +
+           modulation + "</emitter></shape>";
+  };
+  const std::string scene =
+      "<sensor type='perspective'><float name='fov' value='0.5'/><transform name='to_world'>"
+      "<lookat origin='0, 0, 6' target='0, 0, 0' up='0, 1, 0'/></transform>" +
+      shutter(0, 0.1) + film("luminance") +
+      "</sensor><shape type='rectangle'><transform name='to_world'><scale value='0.2'/></transform>"
+      "<bsdf type='diffuse'><float name='reflectance' value='1'/></bsdf></shape>" +
+      ball(-2, wave("square", 100, "<float name='duty' value='0.1'/>")) + ball(2, "");
+  const double of_both = 2 * 1000 * (1.0 / 8) * std::sqrt(0.5);
+  for (const char* integrator : {"path", "direct", "bdpt"})
+    expect_time_mean(scene, of_both, 4096, integrator);
+}
+
 }  // namespace
 }  // namespace aureole::test
