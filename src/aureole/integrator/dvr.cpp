@@ -9,10 +9,10 @@
 #include "aureole/core/parallel.h"
 #include "aureole/integrator/aov_channels.h"
 #include "aureole/integrator/dvr/error_probe.h"
-#include "aureole/integrator/dvr/first_surface.h"
 #include "aureole/integrator/dvr/march.h"
 #include "aureole/integrator/dvr/measured_errors.h"
 #include "aureole/integrator/dvr/scene_checks.h"
+#include "aureole/integrator/first_surface.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/vertex.h"
 

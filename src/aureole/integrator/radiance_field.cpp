@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Radiance grids along rays: by NeRF's discrete sum, or by the integral.
 #include "aureole/integrator/aov_channels.h"
-#include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/first_surface.h"
 #include "aureole/integrator/radiance/radiance_march.h"
 #include "aureole/integrator/splat/blended_light.h"
 #include "aureole/plugin/late_notes.h"

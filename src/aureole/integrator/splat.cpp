@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "aureole/integrator/aov_channels.h"
-#include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/first_surface.h"
 #include "aureole/integrator/splat/blended_light.h"
 #include "aureole/integrator/splat/ray_splats.h"
 #include "aureole/integrator/splat/splat_blend.h"

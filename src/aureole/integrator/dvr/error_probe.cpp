@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "aureole/core/parallel.h"
-#include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/first_surface.h"
 
 namespace aureole {
 

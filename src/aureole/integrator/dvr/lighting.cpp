@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/first_surface.h"
 
 namespace aureole {
 

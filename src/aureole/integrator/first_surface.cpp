@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/integrator/dvr/first_surface.h"
+#include "aureole/integrator/first_surface.h"
 
 #include <algorithm>
 
