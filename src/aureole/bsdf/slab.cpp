@@ -66,14 +66,10 @@ public:
   }
 
   Amplitudes reflection_amplitudes(float cos_i, const BsdfContext& ctx) const override {
-    const Spectrum eta = eta_.eval(ctx.wavelengths), k = k_.eval(ctx.wavelengths);
-    const Spectrum outside = ctx.eval_exterior(exterior_), nm = ctx.wavelengths.nm;
     Amplitudes reflected;
-    for (int i = 0; i < kWavelengths; ++i) {
-      const optics::SlabAmplitudes at = optics::slab_amplitudes(
-          double(cos_i), double(outside[i]), {double(eta[i]), double(k[i])}, thickness_nm_ / double(nm[i]));
+    for_each_wavelength(cos_i, ctx, [&](int i, const optics::SlabAmplitudes& at) {
       reflected.s[std::size_t(i)] = at.r_s, reflected.p[std::size_t(i)] = at.r_p;
-    }
+    });
     if (reflectance_) reflected.scale(reflectance_->eval(ctx.point, ctx.wavelengths));
     return reflected;
   }
@@ -85,19 +81,26 @@ public:
   }
 
 private:
+  /// Calls use(i, amplitudes) for each wavelength i.
+  template <class Use>
+  void for_each_wavelength(float cos_i, const BsdfContext& ctx, const Use& use) const {
+    const Spectrum eta = eta_.eval(ctx.wavelengths), k = k_.eval(ctx.wavelengths);
+    const Spectrum outside = ctx.eval_exterior(exterior_), nm = ctx.wavelengths.nm;
+    for (int i = 0; i < kWavelengths; ++i)
+      use(i, optics::slab_amplitudes(double(cos_i), double(outside[i]), {double(eta[i]), double(k[i])},
+                                     thickness_nm_ / double(nm[i])));
+  }
+
   struct Powers {
     Spectrum reflected, transmitted;
   };
   Powers powers(float cos_i, const BsdfContext& ctx) const {
-    const Spectrum eta = eta_.eval(ctx.wavelengths), k = k_.eval(ctx.wavelengths);
-    const Spectrum outside = ctx.eval_exterior(exterior_), nm = ctx.wavelengths.nm;
     Powers part;
-    for (int i = 0; i < kWavelengths; ++i) {
-      const optics::SlabPowers at = optics::slab_powers(
-          double(cos_i), double(outside[i]), {double(eta[i]), double(k[i])}, thickness_nm_ / double(nm[i]));
-      part.reflected.v[i] = float(at.reflected);
-      part.transmitted.v[i] = passes_ ? float(at.transmitted) : 0.f;
-    }
+    for_each_wavelength(cos_i, ctx, [&](int i, const optics::SlabAmplitudes& at) {
+      const optics::SlabPowers both = optics::slab_powers(at);
+      part.reflected.v[i] = float(both.reflected);
+      part.transmitted.v[i] = passes_ ? float(both.transmitted) : 0.f;
+    });
     if (reflectance_) part.reflected *= reflectance_->eval(ctx.point, ctx.wavelengths);
     if (transmittance_) part.transmitted *= transmittance_->eval(ctx.point, ctx.wavelengths);
     return part;

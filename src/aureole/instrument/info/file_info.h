@@ -55,6 +55,14 @@ struct GridSlice {
   std::array<double, 2> spacing{1, 1};  ///< of voxels along both axes of the picture
   int index = 0, count = 0;             ///< of the slice, and number of slices
 };
+/// Returns the middle slice across `axis` of a grid of that size, without spacing and values; sets the axes along its rows and columns.
+inline GridSlice middle_slice(const std::array<int, 3>& size, int axis, std::size_t& u, std::size_t& v) {
+  u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  GridSlice slice;
+  slice.width = size[u], slice.height = size[v];
+  slice.count = size[std::size_t(axis)], slice.index = slice.count / 2;
+  return slice;
+}
 /// Reads the slice across the axis 0, 1 or 2 of a volume. Implemented in volume_info.cpp.
 GridSlice volume_slice(const std::filesystem::path& file, int axis);
 /// Reads the densities in the slice across the axis 0, 1 or 2 of a radiance grid. Implemented in splat_info.cpp.

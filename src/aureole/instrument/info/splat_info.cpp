@@ -75,10 +75,8 @@ FileInfo radiance_grid_info(const std::filesystem::path& file) {
 
 GridSlice radiance_grid_slice(const std::filesystem::path& file, int axis) {
   const RadianceVoxels g = read_radiance_voxels(file);
-  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-  GridSlice slice;
-  slice.width = g.size[u], slice.height = g.size[v];
-  slice.count = g.size[std::size_t(axis)], slice.index = slice.count / 2;
+  std::size_t u, v;
+  GridSlice slice = middle_slice(g.size, axis, u, v);
   const std::array<float, 3> radius{g.radius.x, g.radius.y, g.radius.z};
   slice.spacing = {2 * double(radius[u]) / slice.width, 2 * double(radius[v]) / slice.height};
   std::array<int, 3> at{};

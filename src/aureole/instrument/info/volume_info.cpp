@@ -70,10 +70,8 @@ FileInfo volume_info(const std::filesystem::path& file) {
 
 GridSlice volume_slice(const std::filesystem::path& file, int axis) {
   const ScalarGrid grid = read_scalar_grid(file);
-  const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-  GridSlice slice;
-  slice.width = grid.size[u], slice.height = grid.size[v];
-  slice.count = grid.size[std::size_t(axis)], slice.index = slice.count / 2;
+  std::size_t u, v;
+  GridSlice slice = middle_slice(grid.size, axis, u, v);
   slice.spacing = {grid.spacing()[u], grid.spacing()[v]};
   slice.values.resize(std::size_t(slice.width) * std::size_t(slice.height));
   for (int row = 0; row < slice.height; ++row) {

@@ -96,7 +96,10 @@ SlabAmplitudes slab_amplitudes(double cos_i, double n_ext, Complex n_slab, doubl
 }
 
 SlabPowers slab_powers(double cos_i, double n_ext, Complex n_slab, double thickness) {
-  const SlabAmplitudes a = slab_amplitudes(cos_i, n_ext, n_slab, thickness);
+  return slab_powers(slab_amplitudes(cos_i, n_ext, n_slab, thickness));
+}
+
+SlabPowers slab_powers(const SlabAmplitudes& a) {
   return {0.5 * (std::norm(a.r_s) + std::norm(a.r_p)), 0.5 * (std::norm(a.t_s) + std::norm(a.t_p))};
 }
 

@@ -62,6 +62,8 @@ struct SlabPowers {
 /// both sides, `n_slab` = eta + i k the index of the slab, `thickness` is a multiple of the wavelength in
 /// vacuum. Throws std::domain_error, also for a thickness that is not positive and finite.
 SlabPowers slab_powers(double cos_i, double n_ext, std::complex<double> n_slab, double thickness);
+/// Returns the fractions of unpolarised power from the amplitudes of both polarisations.
+SlabPowers slab_powers(const SlabAmplitudes& amplitudes);
 
 /// Returns the reflectance for ideally diffuse unpolarised light, the integral of 2 R(mu) mu over mu in [0,
 /// 1]. `eta` is the index beyond the interface over the index on the incident side: eta > 1 is the "external"
