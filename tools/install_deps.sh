@@ -12,7 +12,7 @@ packages=(g++ cmake ninja-build pkg-config ccache python3
 opencv=(libopencv-core-dev libopencv-imgproc-dev)
 cd "$(dirname "$0")/.."
 if [[ "${1:-}" != program ]]; then
-  packages+=(clang-format python3-dev python3-venv libgtest-dev libbenchmark-dev)
+  packages+=(clang clang-format clang-tidy python3-dev python3-venv libgtest-dev libbenchmark-dev)
 fi
 is_installed() { dpkg-query -W -f '${db:Status-Status}\n' "$1" 2> /dev/null | grep -qx installed; }
 missing=()

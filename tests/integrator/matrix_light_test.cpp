@@ -70,7 +70,8 @@ Mean mean_of(const Scene& scene, std::uint64_t seed, const Trace& trace) {
       p.result = {};
     }
     std::vector<Splat> splats;
-    trace(WalkInput{scene, limits, paths, BatchLog()}, splats);
+    const Arena::Frame frame;
+    trace(WalkInput{scene, limits, paths, BatchLog(), frame.arena()}, splats);
     double all = 0;
     for (const Path& p : paths) all += double(mean(p.result.estimate)) / kBatch;
     for (const Splat& s : splats) all += double(mean(s.estimate)) / kBatch / (kSize * kSize);
@@ -82,16 +83,16 @@ Mean mean_of(const Scene& scene, std::uint64_t seed, const Trace& trace) {
 
 template <class Walk>
 void start_and_follow(const WalkInput& in, Walk& walk) {
-  BatchRays rays;
-  for (int i = 0; i < int(in.paths.size()); ++i) {
-    if constexpr (std::is_same_v<decltype(walk.start(i)), bool>) {
-      if (!walk.start(i)) continue;
-    } else {
-      walk.start(i);
+  follow_from(in, walk, [&](Walk&, BatchRays& rays) {
+    for (int i = 0; i < int(in.paths.size()); ++i) {
+      if constexpr (std::is_same_v<decltype(walk.start(i)), bool>) {
+        if (!walk.start(i)) continue;
+      } else {
+        walk.start(i);
+      }
+      rays.add(i, walk.ray(i));
     }
-    rays.add(i, walk.ray(i));
-  }
-  follow(in.scene, walk, rays, RayTracer::Rays::incoherent);
+  });
 }
 
 template <class L>

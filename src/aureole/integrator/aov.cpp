@@ -51,8 +51,10 @@ public:
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
-    RadianceEstimate results[kBatch];
-    float* aovs[kBatch];
+    const Arena::Frame frame;
+    Arena& arena = frame.arena();
+    const std::span<RadianceEstimate> results = arena.make<RadianceEstimate>(paths.size());
+    const std::span<float*> aovs = arena.make<float*>(paths.size());
     for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * own_colors_;
     for (size_t k = 0; k < nested_.size(); ++k) {
       nested_[k].integrator->estimate(scene, paths, splats, log);
@@ -62,8 +64,8 @@ public:
         paths[i].aovs += nested_[k].channels.size();
       }
     }
-    BatchRays rays;
-    Followed followed[kBatch];
+    BatchRays rays(arena, paths.size());
+    const std::span<Followed> followed = arena.make<Followed>(paths.size());
     for (size_t i = 0; i < paths.size(); ++i) {
       followed[i].ray = paths[i].ray;
       rays.add(int(i), paths[i].ray);
@@ -72,11 +74,11 @@ public:
       rays.intersect(scene.tracer(), round == 0 ? RayTracer::Rays::coherent : RayTracer::Rays::incoherent,
                      [&](int i, const RayTracer::Hit& hit) {
                        Path& p = paths[size_t(i)];
-                       Followed& f = followed[i];
+                       Followed& f = followed[size_t(i)];
                        if (round < specular_depth_ && hit && go_on(scene, hit, p, round, f))
                          rays.add(i, f.ray);
                        else
-                         write_surface(scene, hit, f, p.wavelengths, p.aovs, aovs[i] + names_.size());
+                         write_surface(scene, hit, f, p.wavelengths, p.aovs, aovs[size_t(i)] + names_.size());
                      });
     for (size_t i = 0; i < paths.size(); ++i) paths[i].result = results[i], paths[i].aovs = aovs[i];
   }

@@ -62,41 +62,37 @@ public:
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
     for (Path& p : paths) p.result = {};
-    const WalkInput in{scene, settings_.limits, paths, log};
-    BatchRays rays;
+    const Arena::Frame frame;
+    const WalkInput in{scene, settings_.limits, paths, log, frame.arena()};
     std::optional<LightWalk> light, light_from_edges;
     const LightWalk* last_light = nullptr;
     if (settings_.limits.reaches(2) && settings_.techniques.need_light()) {
       light.emplace(in, settings_.techniques, splats);
-      for (size_t i = 0; i < paths.size(); ++i)
-        if (light->start(int(i))) rays.add(int(i), light->ray(int(i)));
-      follow(scene, *light, rays, RayTracer::Rays::incoherent);
+      follow_from(in, *light, [&](LightWalk& walk, BatchRays& rays) {
+        for (size_t i = 0; i < paths.size(); ++i)
+          if (walk.start(int(i))) rays.add(int(i), walk.ray(int(i)));
+      });
       last_light = &*light;
     }
     if (!settings_.limits.reaches(1)) return;
     if (light)
       follow_diffracted_light_paths<LightWalk>(in, [&](const auto& begin) {
         light_from_edges.emplace(in, settings_.techniques, splats, 2, &*light);
-        begin(*light_from_edges, rays);
-        follow(scene, *light_from_edges, rays, RayTracer::Rays::incoherent);
+        follow_from(in, *light_from_edges, begin);
         last_light = &*light_from_edges;
       });
-    const auto follow_from_sensor = [&](const WalkInput& input, RayTracer::Rays kind, const auto& begin) {
-      SensorWalk walk(input, settings_.techniques);
+    const auto put_light = [&](SensorWalk& walk) {
       if (last_light)
         for (size_t i = 0; i < paths.size(); ++i) walk.put_light(int(i), last_light->last_vertex(int(i)));
-      begin(walk, rays);
-      follow(scene, walk, rays, kind);
     };
-    follow_from_sensor(in, RayTracer::Rays::coherent, [&](SensorWalk& walk, BatchRays&) {
-      for (size_t i = 0; i < paths.size(); ++i) {
-        walk.start(int(i));
-        rays.add(int(i), paths[i].ray);
-      }
-    });
+    SensorWalk walk(in, settings_.techniques);
+    put_light(walk);
+    follow_from_sensor(in, walk);
     follow_diffracted_paths(in, 3, settings_.techniques.have(1, 2), splats,
                             [&](const WalkInput& second, const auto& begin) {
-                              follow_from_sensor(second, RayTracer::Rays::incoherent, begin);
+                              SensorWalk from_edges(second, settings_.techniques);
+                              put_light(from_edges);
+                              follow_from(second, from_edges, begin);
                             });
   }
 

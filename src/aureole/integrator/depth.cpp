@@ -12,7 +12,8 @@ public:
   using Integrator::Integrator;
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&, const BatchLog&) const override {
-    BatchRays rays;
+    const Arena::Frame frame;
+    BatchRays rays(frame.arena(), paths.size());
     for (size_t i = 0; i < paths.size(); ++i) {
       paths[i].result = {};
       rays.add(int(i), paths[i].ray);

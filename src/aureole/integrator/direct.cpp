@@ -21,6 +21,7 @@ struct DirectKind {
   static constexpr bool kEmerges = false, kScattersInMedia = false;
   using Density = PathDensity;
   using State = DirectState;
+  struct RareState {};
   using Vertices = PerPath<Vertex>;
 };
 
@@ -34,28 +35,34 @@ public:
         light_samples_(light_samples),
         bsdf_samples_(bsdf_samples),
         counts_{float(light_samples), float(bsdf_samples)},
-        line_steps_(in.scene, *this) {}
+        lights_(in.arena, in.paths.size()),
+        lines_(in, *this) {}
 
   void start(int i) { begin_at_sensor(i); }
 
   // Next-event estimation: light samples and, between them, samples of media that emit.
   int connection_count(int) const { return light_samples_ * (media_ ? 2 : 1); }
+  void choose(int i, int k) {
+    lights_.make(i, [&]() -> LightSample {
+      if (!has_connection(i, k) || is_in_medium(k) || scene_.lights().empty()) return {};
+      SampleStream& samples = path(i).samples;
+      const int first = states_[i].dimension;
+      return aureole::sample_light(scene_, vertices_[i].p(), vertices_[i].facing(), samples.get1(first),
+                                   samples.get2(first + 1), wavelengths(i));
+    });
+  }
   bool connect(int i, int k, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
-    const bool in_medium = media_ && k % 2 == 1;
-    if (k >= connection_count(i) || !vertex.is_smooth() || (!in_medium && scene_.lights().empty()))
-      return false;
+    if (!has_connection(i, k) || (!is_in_medium(k) && scene_.lights().empty())) return false;
     SampleStream& samples = path(i).samples;
     const int first = std::exchange(s.dimension, s.dimension + 3);
-    const float u1 = samples.get1(first);
-    const Vec2 u2 = samples.get2(first + 1);
-    const bool found =
-        in_medium
-            ? connect_to_emission<Unpolarised>(scene_, vertex, s.segment, s.density, u1, u2, wavelengths(i),
-                                               counts_, key(samples, first, Stream::connection), out)
-            : connect_to_light(scene_, vertex, s.segment, s.density, u1, u2, wavelengths(i), counts_,
-                               key(samples, first, Stream::connection), out);
+    const std::uint32_t random = key(samples, first, Stream::connection);
+    const bool found = is_in_medium(k) ? connect_to_emission<Unpolarised>(
+                                             scene_, vertex, s.segment, s.density, samples.get1(first),
+                                             samples.get2(first + 1), wavelengths(i), counts_, random, out)
+                                       : connect_to_light(scene_, vertex, lights_[i], s.segment, s.density,
+                                                          wavelengths(i), counts_, random, out);
     out.others_pass = true;
     return found;
   }
@@ -69,11 +76,10 @@ public:
 
   /// BSDF samples: lines of sight along sampled directions.
   void connected_all(const PathList& vertices) {
-    BatchRays lines;
     for (int k = 0; k < bsdf_samples_; ++k) {
       for (const int i : vertices)
-        if (begin_line(i)) lines.add(i, line_steps_.ray(i));
-      follow(scene_, line_steps_, lines, RayTracer::Rays::incoherent);
+        if (begin_line(i)) lines_.driver.rays().add(i, lines_.steps.ray(i));
+      lines_.driver.follow(RayTracer::Rays::incoherent);
     }
   }
   void see(int i, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
@@ -125,6 +131,9 @@ public:
   }
 
 private:
+  bool has_connection(int i, int k) { return k < connection_count(i) && vertices_[i].is_smooth(); }
+  /// Whether the k-th connection is one with a medium that emits.
+  bool is_in_medium(int k) const { return media_ && k % 2 == 1; }
   LightReference reference(int i) { return {vertices_[i].p(), vertices_[i].facing()}; }
   Event sample(int i, Scatter& out) {
     SampleStream& samples = path(i).samples;
@@ -140,14 +149,15 @@ private:
     s.sampled.extend(b.value, b.pdf * counts_.scatter, b.delta || !vertices_[i].is_smooth());
     RayState line = s.segment;
     vertices_[i].leave(b.d, scene_.has_media(), line);
-    line_steps_.begin(i, line, key(path(i).samples, s.dimension, Stream::line_of_sight));
+    lines_.steps.begin(i, line, key(path(i).samples, s.dimension, Stream::line_of_sight));
     return true;
   }
 
   const EmittingMedia* media_;  ///< media whose emission next-event estimation samples, or null
   const int light_samples_, bsdf_samples_;
   const SampleCounts counts_;
-  LinesOfSight<DirectWalk> line_steps_;
+  PerPath<LightSample> lights_;  ///< the light that the present connection leads to
+  DrivenLines<DirectWalk> lines_;
 };
 
 class DirectIntegrator final : public Integrator {
@@ -177,14 +187,10 @@ public:
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
     for (Path& p : paths) p.result = {};
-    const WalkInput in{scene, limits_, paths, log};
+    const Arena::Frame frame;
+    const WalkInput in{scene, limits_, paths, log, frame.arena()};
     DirectWalk walk(in, light_samples_, bsdf_samples_);
-    BatchRays rays;
-    for (size_t i = 0; i < paths.size(); ++i) {
-      walk.start(int(i));
-      rays.add(int(i), paths[i].ray);
-    }
-    follow(scene, walk, rays, RayTracer::Rays::coherent);
+    follow_from_sensor(in, walk);
     see_diffracted_light(in, splats);
   }
 

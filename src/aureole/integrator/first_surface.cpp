@@ -13,9 +13,10 @@ void find_first_surfaces(const Scene& scene, std::span<const Ray> rays, RayTrace
   const auto stops = [](const Surface& surface) {
     return surface.light || has(surface.lobes, Lobe::reflect | Lobe::transmit);
   };
-  BatchRays left;
-  Ray next[kBatch];
-  int crossings[kBatch];
+  const Arena::Frame frame;
+  BatchRays left(frame.arena(), rays.size());
+  Ray* const next = frame.arena().allocate<Ray>(rays.size());
+  int* const crossings = frame.arena().allocate<int>(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     next[i] = rays[i], crossings[i] = 0, found[i] = {};
     left.add(int(i), next[i]);

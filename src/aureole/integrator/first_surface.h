@@ -24,7 +24,7 @@ struct FirstSurface {
   }
 };
 
-/// Finds the first surface of each ray that is not null and lies before its t_max. `rays` are at most kBatch, of unit
+/// Finds the first surface of each ray that is not null and lies before its t_max. The rays have unit
 /// directions.
 void find_first_surfaces(const Scene& scene, std::span<const Ray> rays, RayTracer::Rays kind,
                          FirstSurface found[]);

@@ -5,9 +5,8 @@
 #include <optional>
 
 #include "aureole/plugin/registry.h"
-#include "aureole/transport/connection.h"
 #include "aureole/transport/diffraction.h"
-#include "aureole/transport/dimensions.h"
+#include "aureole/transport/next_event.h"
 
 namespace aureole {
 
@@ -22,15 +21,13 @@ bool samples_all_lights(const Receiver& receiver, Integrator::ReceiverRays rays)
 /// the path's ray: divided by the integral of the response.
 Spectrum received(const Scene& scene, const Receiver& receiver, Path& path, Integrator::ReceiverRays rays,
                   bool go_behind) {
-  const Vec3 facing = receiver.facing();
   // The estimate is added to that of the walk, so that both may use the random numbers of the first vertex.
-  const auto choice =
-      scene.lights().choose(receiver.p, facing, get(path.samples, 0, Choice::light), path.wavelengths.time);
-  if (!choice || !(choice->probability > 0)) return 0.f;
-  if (!choice->light->is_delta() && !samples_all_lights(receiver, rays)) return 0.f;
-  const auto direct = choice->light->sample_direct_facing(
-      receiver.p, facing, choice->part, get(path.samples, 0, Pair::connection), path.wavelengths);
-  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return 0.f;
+  const LightSample sample =
+      sample_light(scene, receiver.p, receiver.facing(), get(path.samples, 0, Choice::light),
+                   get(path.samples, 0, Pair::connection), path.wavelengths);
+  if (!sample.has_light()) return 0.f;
+  const auto& [choice, direct] = sample;
+  if (!choice.light->is_delta() && !samples_all_lights(receiver, rays)) return 0.f;
   const float share = receiver.pdf(direct->wo);
   if (!(share > 0)) return 0.f;
   const RayOrigin from{receiver.p, receiver.p_error, receiver.ng};
@@ -49,8 +46,7 @@ Spectrum received(const Scene& scene, const Receiver& receiver, Path& path, Inte
   }
   c.others_go_behind = go_behind;
   // The ray of the path has the pdf `share` of this direction.
-  c.weigh(scene.has_media(), choice->probability * direct->pdf, direct->delta ? 0.f : share,
-          path.wavelengths);
+  c.weigh(scene.has_media(), choice.probability * direct->pdf, direct->delta ? 0.f : share, path.wavelengths);
   const bool open = arrives(scene, c, path.wavelengths, key(path.samples, -1, Stream::receiver));
   return open ? c.estimate() : Spectrum(0.f);
 }

@@ -33,7 +33,8 @@ public:
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
-    RadianceEstimate results[kBatch];
+    const Arena::Frame frame;
+    const std::span<RadianceEstimate> results = frame.arena().make<RadianceEstimate>(paths.size());
     for (size_t k = 0; k < nested_.size(); ++k) {
       nested_[k].integrator->estimate(scene, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i) {

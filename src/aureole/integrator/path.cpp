@@ -28,29 +28,23 @@ public:
              const BatchLog& log) const override {
     for (Path& p : paths) p.result = {};
     if (!limits_.reaches(1)) return;
-    const WalkInput in{scene, limits_, paths, log};
+    const Arena::Frame frame;
+    const WalkInput in{scene, limits_, paths, log, frame.arena()};
     if (space_of(scene) == Space::any)
-      follow_from_sensor<PathWalk<Space::any>>(in);
+      follow<PathWalk<Space::any>>(in);
     else
-      follow_from_sensor<PathWalk<Space::empty>>(in);
+      follow<PathWalk<Space::empty>>(in);
     follow_diffracted_paths(in, 1, true, splats, [](const WalkInput& second, const auto& begin) {
       PathWalk<Space::any> walk(second);
-      BatchRays rays;
-      begin(walk, rays);
-      follow(second.scene, walk, rays, RayTracer::Rays::incoherent);
+      follow_from(second, walk, begin);
     });
   }
 
 private:
   template <class PathWalk>
-  static void follow_from_sensor(const WalkInput& in) {
+  static void follow(const WalkInput& in) {
     PathWalk walk(in);
-    BatchRays rays;
-    for (size_t i = 0; i < in.paths.size(); ++i) {
-      walk.start(int(i));
-      rays.add(int(i), in.paths[i].ray);
-    }
-    follow(in.scene, walk, rays, RayTracer::Rays::coherent);
+    follow_from_sensor(in, walk);
   }
 
   PathLimits limits_;

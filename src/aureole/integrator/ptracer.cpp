@@ -16,8 +16,12 @@ namespace {
 /// Radiance that the sensor's rays see directly.
 class SeenDirectly {
 public:
-  SeenDirectly(const Scene& scene, std::span<Path> paths, const PathLimits& limits)
-      : scene_(scene), paths_(paths), limits_(limits) {}
+  explicit SeenDirectly(const WalkInput& in)
+      : sum(in.arena.make<Spectrum>(in.paths.size(), 0.f)),
+        media(in.arena.make<Spectrum>(in.paths.size(), 0.f)),
+        scene_(in.scene),
+        paths_(in.paths),
+        limits_(in.limits) {}
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
     if (limits_.hide_emitters) return;  // it hides lights, not media
@@ -28,15 +32,17 @@ public:
           light_density(scene_, {receiver->p, receiver->facing()}, light, point, d, wavelengths(path).time);
       weight = ray / std::max(ray + sampled, std::numeric_limits<float>::min());
     }
-    sum[path] += radiance * weight;
+    sum[size_t(path)] += radiance * weight;
   }
-  void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
+  void lose(int path) { sum[size_t(path)] = std::numeric_limits<float>::quiet_NaN(); }
   SegmentEmission emission(int) const { return {}; }
   int crossings_before_light(int) const { return limits_.crossings_left(1); }
-  void see(int path, const Spectrum& light) { media[path] += light / paths_[size_t(path)].wavelengths.pdf; }
+  void see(int path, const Spectrum& light) {
+    media[size_t(path)] += light / paths_[size_t(path)].wavelengths.pdf;
+  }
 
-  Spectrum sum[kBatch];
-  Spectrum media[kBatch];  ///< estimates of the light of media
+  const std::span<Spectrum> sum;
+  const std::span<Spectrum> media;  ///< estimates of the light of media
 
 private:
   const Scene& scene_;
@@ -62,44 +68,46 @@ public:
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
-    see_directly(scene, paths, log);
-    const WalkInput in{scene, limits_, paths, log};
+    const Arena::Frame frame;
+    const WalkInput in{scene, limits_, paths, log, frame.arena()};
+    see_directly(in);
     ParticleWalk<> walk(in, splats);
     const bool goes_on = limits_.reaches(2);
     if (!goes_on && !walk.counts_beams()) return;
-    BatchRays rays;
-    for (size_t i = 0; i < paths.size(); ++i)
-      if (walk.start(int(i)) && goes_on) rays.add(int(i), walk.ray(int(i)));
+    follow_from(in, walk, [&](ParticleWalk<>&, BatchRays& rays) {
+      for (size_t i = 0; i < paths.size(); ++i)
+        if (walk.start(int(i)) && goes_on) rays.add(int(i), walk.ray(int(i)));
+    });
     if (!goes_on) return;
-    follow(scene, walk, rays, RayTracer::Rays::incoherent);
     follow_diffracted_paths(in, 1, true, splats, [&](const WalkInput& second, const auto& begin) {
       ParticleWalk<> from_edges(second, splats);
-      begin(from_edges, rays);
-      follow(scene, from_edges, rays, RayTracer::Rays::incoherent);
+      follow_from(second, from_edges, begin);
     });
   }
 
 private:
   /// Radiance along the sensor's rays that no connection of a light path can bring to the film.
-  void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
-    SeenDirectly seen(scene, paths, limits_);
-    LinesOfSight lines(scene, seen);
-    BatchRays rays;
+  void see_directly(const WalkInput& in) const {
+    const Scene& scene = in.scene;
+    const std::span<Path> paths = in.paths;
+    SeenDirectly seen(in);
+    DrivenLines<SeenDirectly> lines(in, seen);
     for (size_t i = 0; i < paths.size(); ++i) {
       paths[i].result = {};
       if (!limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
       if (limits_.hide_emitters && !scene.has_media()) continue;
       RayState start{paths[i].ray, nullptr, {}};
       find_interiors(scene, nullptr, start);
-      lines.begin(int(i), start, key(paths[i].samples, -1, Stream::line_of_sight), limits_.hide_emitters);
-      rays.add(int(i), paths[i].ray);
+      lines.steps.begin(int(i), start, key(paths[i].samples, -1, Stream::line_of_sight),
+                        limits_.hide_emitters);
+      lines.driver.rays().add(int(i), paths[i].ray);
     }
-    follow(scene, lines, rays, RayTracer::Rays::coherent);
+    lines.driver.follow(RayTracer::Rays::coherent);
     for (size_t i = 0; i < paths.size(); ++i) {
-      if (log.follows(int(i)) && !is_black(seen.sum[i]))
-        log({.kind = PathEvent::Kind::other,
-             .estimate = single_estimate(seen.sum[i], paths[i].wavelengths),
-             .text = "the sensor sees an emitter"});
+      if (in.log.follows(int(i)) && !is_black(seen.sum[i]))
+        in.log({.kind = PathEvent::Kind::other,
+                .estimate = single_estimate(seen.sum[i], paths[i].wavelengths),
+                .text = "the sensor sees an emitter"});
       paths[i].result.estimate = single_estimate(seen.sum[i], paths[i].wavelengths) + seen.media[i];
     }
   }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths that are followed together, and their rays.
+// Paths that are followed together, and their rays. The records of a batch lie in the arena of the thread
+// (transport/arena.h); how many there are is known when the batch begins.
 #pragma once
 
-#include <array>
 #include <new>
-#include <type_traits>
 #include <utility>
 
 #include "aureole/scene/scene.h"
+#include "aureole/transport/arena.h"
 
 namespace aureole {
 
-/// Upper bound of the number of paths of a batch.
+/// Number of paths that a job hands to an integrator at once, which is the size of a packet of rays.
 inline constexpr int kBatch = RayPacket::kSize;
 
 /// Storage for one T per path of a batch. Records are made in place when they are needed, since they are
@@ -19,62 +19,83 @@ inline constexpr int kBatch = RayPacket::kSize;
 template <class T>
 class PerPath {
 public:
-  static_assert(std::is_trivially_destructible_v<T>);
+  PerPath(Arena& arena, std::size_t paths) : records_(arena.allocate<T>(paths)) {}
   /// Constructs the record of a path in place from the result of `make`.
   template <class Make>
   T& make(int path, Make&& make) {
-    return *new (room_[size_t(path)].bytes) T(make());
+    return *new (records_ + path) T(make());
   }
-  T& operator[](int path) { return *std::launder(reinterpret_cast<T*>(room_[size_t(path)].bytes)); }
+  T& operator[](int path) { return *std::launder(records_ + path); }
+  const T& operator[](int path) const { return *std::launder(records_ + path); }
 
 private:
-  struct Room {
-    alignas(T) std::byte bytes[sizeof(T)];
-  };
-  std::array<Room, kBatch> room_;
+  T* records_;
 };
 
-/// Some paths of a batch, at most all of them.
-struct PathList {
-  int count = 0;
-  int path[kBatch];
+/// Some paths of a batch, each at most once.
+class PathList {
+public:
+  PathList(Arena& arena, std::size_t paths) : paths_(arena.allocate<int>(paths)) {}
+  void add(int path) { paths_[count_++] = path; }
+  void clear() { count_ = 0; }
+  bool empty() const { return count_ == 0; }
+  const int* begin() const { return paths_; }
+  const int* end() const { return paths_ + count_; }
+  /// Keeps the paths for which `is_kept` is true.
+  template <class IsKept>
+  void keep(const IsKept& is_kept) {
+    int kept = 0;
+    for (int i = 0; i < count_; ++i)
+      if (is_kept(paths_[i])) paths_[kept++] = paths_[i];
+    count_ = kept;
+  }
 
-  void add(int p) { path[count++] = p; }
-  const int* begin() const { return path; }
-  const int* end() const { return path + count; }
+private:
+  int* paths_;
+  int count_ = 0;
 };
 
-/// The rays of some paths of a batch.
+/// The rays of some paths of a batch, in packets for the ray tracer.
 class BatchRays {
 public:
+  BatchRays(Arena& arena, std::size_t paths)
+      : paths_(arena.allocate<int>(paths)),
+        packets_(arena.make<RayPacket>((paths + RayPacket::kSize - 1) / RayPacket::kSize).data()) {}
   void add(int path, const Ray& ray) {
-    rays_.set(paths_.count, ray);
-    paths_.add(path);
+    packets_[unsigned(count_) / RayPacket::kSize].set(count_ % RayPacket::kSize, ray);
+    paths_[count_++] = path;
   }
-  bool empty() const { return paths_.count == 0; }
+  bool empty() const { return count_ == 0; }
 
   /// Traces all rays and calls `use(path, hit)` for each in order. `use` may add rays, which the next call
   /// traces.
   template <class Use>
   void intersect(const RayTracer& tracer, RayTracer::Rays kind, Use&& use) {
-    tracer.intersect(rays_, paths_.count, kind, hits_);
-    const int n = std::exchange(paths_.count, 0);
+    RayTracer::Hit hits[RayPacket::kSize];
     // `use` adds at most one ray for each hit, so that it overwrites only entries that have been read.
-    for (int i = 0; i < n; ++i) use(paths_.path[i], hits_[i]);
+    const int all = std::exchange(count_, 0);
+    for (int first = 0; first < all; first += RayPacket::kSize) {
+      const int n = std::min(all - first, RayPacket::kSize);
+      tracer.intersect(packets_[first / RayPacket::kSize], n, kind, hits);
+      for (int i = 0; i < n; ++i) use(paths_[first + i], hits[i]);
+    }
   }
   /// Tests all rays as segments and calls `use(path, open)` for each in order.
   template <class Use>
   void test_visibility(const RayTracer& tracer, Use&& use) {
-    bool blocked[kBatch];
-    tracer.occluded(rays_, paths_.count, blocked);
-    for (int i = 0; i < paths_.count; ++i) use(paths_.path[i], !blocked[i]);
-    paths_.count = 0;
+    bool blocked[RayPacket::kSize];
+    const int all = std::exchange(count_, 0);
+    for (int first = 0; first < all; first += RayPacket::kSize) {
+      const int n = std::min(all - first, RayPacket::kSize);
+      tracer.occluded(packets_[first / RayPacket::kSize], n, blocked);
+      for (int i = 0; i < n; ++i) use(paths_[first + i], !blocked[i]);
+    }
   }
 
 private:
-  PathList paths_;
-  RayPacket rays_;
-  RayTracer::Hit hits_[kBatch];
+  int* paths_;
+  RayPacket* packets_;
+  int count_ = 0;
 };
 
 }  // namespace aureole

@@ -144,7 +144,7 @@ inline Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c
 bool is_lost(const Scene& scene, TestSegment& segment);
 
 /// Tests the visibility of one segment; true where its far end is visible; `passage` is then complete except
-/// for the diffraction factor. The segments of a batch are tested by `connect_vertices` of the driver.
+/// for the diffraction factor. `Driver` tests the connections of a batch together.
 bool is_visible(const Scene& scene, TestSegment& segment, const Wavelengths& w);
 
 inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const RayOrigin& to) {

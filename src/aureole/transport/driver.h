@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each
-// step (arrive, connect, scatter, emerge; see transport/walk.h) runs over all paths of the batch before the
-// next step begins. Replaying one path is the same code.
+// `Driver`: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each
+// phase of a step runs over the list of all paths of the batch before the next phase begins, so that what one
+// phase calls stays in the caches. Replaying one path is the same code.
 //
 // Steps are functions of a class, `Walk` or another one, of which `path` is an index into the batch:
 //     const Ray& ray(int path);             the ray that the path goes on along
-//     Event arrive(int path, const RayTracer::Hit& hit);
+//     Event locate(int path, const RayTracer::Hit& hit);
 //                                           what the ray has hit: `surface` and `medium` are vertices, `crossed`
 //                                           is none; else the path has ended
 //     void lose(int path);                  the ray has left the range of float: the path ends, and its sample
 //                                           must become invalid
 // and, for steps that have them,
+//     Event emit(int path);                 emission of the surface that `locate` has found; returns what
+//                                           `locate` returns
+//     void choose(int path, int k);         chooses the other end of the k-th connection of the vertex
 //     int connection_count(int path);       upper bound of the number of connections of the vertex
 //     bool connect(int path, int k, Connection& out);
 //                                           makes the k-th connection; false where there is none
@@ -23,11 +26,12 @@
 //     void connected_all(const PathList& vertices);
 //     void connect_edges(const PathList& vertices);
 //                                           further next-event estimation, once for all vertices
-//     void put_segments(BatchConnections<Connection>* room);
-//                                           storage of connections that `arrive` makes, from positions along the ray
-//     void finish_lines();                  follows lines of sight that `arrive` has begun
+//     BatchConnections<Connection>* along_rays();
+//                                           connections that `locate` has made, from positions along the rays; null:
+//                                           the steps make none
+//     void finish_lines();                  follows lines of sight that `locate` has begun
 //     bool scatter(int path);               false: the path ends here, or continues below the surface
-//     PathList emerge();                    paths that continued below a surface, at a vertex again
+//     void emerge(PathList& vertices);      adds the paths that continued below a surface, at a vertex again
 #pragma once
 
 #include <type_traits>
@@ -38,142 +42,166 @@
 
 namespace aureole {
 
-/// Arrive step: traces the rays, and leaves in `rays` the rays of paths that crossed a surface. Returns the
-/// paths that are at a vertex.
-template <class Steps>
-PathList arrive_all(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
-  PathList vertices;
-  rays.intersect(scene.tracer(), kind, [&](int path, const RayTracer::Hit& hit) {
-    if (hit.is_lost()) return steps.lose(path);
-    const Event event = steps.arrive(path, hit);
-    if (event == Event::surface || event == Event::medium)
-      vertices.add(path);
-    else if (event == Event::crossed)
-      rays.add(path, steps.ray(path));
-  });
-  return vertices;
-}
-
 /// Storage of one connection of each path.
 template <class Connection>
 struct BatchConnections {
+  BatchConnections(Arena& arena, std::size_t paths)
+      : rays(arena, paths), of_path(arena.make<Connection>(paths).data()) {}
   BatchRays rays;
-  Connection of_path[kBatch];
+  Connection* of_path;
 };
 
-/// Hands the result of a connection to the steps.
-template <class Steps, class Connection>
-void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
-  if (open || scene.outline_edges())
-    open = apply_diffraction(scene, c, open, steps.wavelengths(path), steps.connection_key(path));
-  steps.end_connection(path, k, c, open);
-}
-
-/// Tests connections that may cross surfaces or media.
-template <class Steps, class Connection>
-[[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, int k,
-                                 BatchConnections<Connection>& connections) {
-  while (!connections.rays.empty())
-    connections.rays.intersect(scene.tracer(), RayTracer::Rays::incoherent,
-                               [&](int path, const RayTracer::Hit& hit) {
-                                 Connection& c = connections.of_path[path];
-                                 const Event event = cross(scene, hit, c, steps.wavelengths(path));
-                                 if (event == Event::crossed) {
-                                   connections.rays.add(path, c.ray);
-                                   return;
-                                 }
-                                 if (event == Event::escape && scene.has_media()) c.finish();
-                                 end_connection(scene, steps, path, k, c, event == Event::escape);
-                               });
-}
-
-/// Tests the k-th connection of each path.
-template <class Steps, class Connection>
-[[gnu::always_inline]] inline void connect_each(const Scene& scene, Steps& steps, const PathList& paths,
-                                                int k, BatchConnections<Connection>& connections) {
-  for (const int path : paths) {
-    Connection& c = connections.of_path[path];
-    if (!steps.connect(path, k, c)) continue;
-    if constexpr (requires { steps.crossings_left(path, k); })
-      c.crossings_left = steps.crossings_left(path, k);
-    c.goes_behind = scene.outline_edges() != nullptr;
-    c.ray.time = steps.wavelengths(path).time;
-    connections.rays.add(path, c.ray);
-  }
-  if (steps.needs_march()) return march_all(scene, steps, k, connections);
-  connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
-    Connection& c = connections.of_path[path];
-    end_connection(scene, steps, path, k, c, open || is_lost(scene, c));
-  });
-}
-
-/// Tests the connections of vertices after the first connection of each.
-template <class Steps, class Connection>
-[[gnu::noinline]] void connect_further(const Scene& scene, Steps& steps, const PathList& vertices,
-                                       BatchConnections<Connection>& connections) {
-  PathList rest = vertices;
-  for (int k = 1;; ++k) {
-    PathList next;
-    for (const int path : rest)
-      if (k < steps.connection_count(path)) next.add(path);
-    if (next.count == 0) return;
-    connect_each(scene, steps, next, k, connections);
-    rest = next;
-  }
-}
-
-/// Tests all connections of the vertices.
-template <class Steps, class Connection>
-void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices,
-                      BatchConnections<Connection>& connections) {
-  connect_each(scene, steps, vertices, 0, connections);
-  if constexpr (requires { steps.connection_count(0); }) connect_further(scene, steps, vertices, connections);
-  if constexpr (requires { steps.connected_all(vertices); }) steps.connected_all(vertices);
-  if constexpr (requires { steps.connect_edges(vertices); }) steps.connect_edges(vertices);
-}
-
-/// Scatter step: samples the next directions, and adds the rays of the paths that go on.
+/// Connections of steps without a type `Connection`.
+struct NoConnections {
+  NoConnections(Arena&, std::size_t) {}
+};
 template <class Steps>
-void scatter_all(Steps& steps, const PathList& paths, BatchRays& rays) {
-  for (const int path : paths)
-    if (steps.scatter(path)) rays.add(path, steps.ray(path));
-}
-
-/// Emerge step: samples the exits of paths that were refracted below a surface, as vertices. It is apart from
-/// the other steps, so that they cost the same in scenes without such surfaces.
-template <class Steps, class Connection>
-[[gnu::noinline]] void emerge_all(const Scene& scene, Steps& steps, BatchRays& rays,
-                                  BatchConnections<Connection>& connections) {
-  const PathList vertices = steps.emerge();
-  if (vertices.count == 0) return;
-  connect_vertices(scene, steps, vertices, connections);
-  scatter_all(steps, vertices, rays);
-}
-
-/// Follows the paths of `rays` to their ends. Steps without a type `Connection` have no connections, those
-/// without `scatter` no vertices, those without `emerge` no exits. Not inlined, so that the records of the
-/// batch lie behind one pointer: on its caller's stack their addresses would be computed anew at every
-/// access.
+struct ConnectionsOf {
+  using Type = NoConnections;
+};
 template <class Steps>
-[[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
-  if constexpr (!requires { steps.scatter(0); }) {
-    for (; !rays.empty(); kind = RayTracer::Rays::incoherent) arrive_all(scene, steps, rays, kind);
-  } else {
-    BatchConnections<typename Steps::Connection> connections;
-    constexpr bool kHasSegments = requires { steps.put_segments(&connections); };
-    if constexpr (kHasSegments) steps.put_segments(&connections);
-    for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
-      const PathList vertices = arrive_all(scene, steps, rays, kind);
-      if constexpr (kHasSegments)
-        if (!connections.rays.empty()) march_all(scene, steps, -1, connections);
-      if constexpr (requires { steps.finish_lines(); }) steps.finish_lines();
-      connect_vertices(scene, steps, vertices, connections);
-      scatter_all(steps, vertices, rays);
-      if constexpr (requires { steps.emerge(); })
-        if (scene.has_exits()) emerge_all(scene, steps, rays, connections);
+requires requires { typename Steps::Connection; }
+struct ConnectionsOf<Steps> {
+  using Type = BatchConnections<typename Steps::Connection>;
+};
+
+template <class Steps>
+class Driver {
+public:
+  /// `paths`: the number of paths of the batch, whose lists and connections lie in the arena.
+  Driver(const Scene& scene, Steps& steps, Arena& arena, std::size_t paths)
+      : scene_(scene),
+        steps_(steps),
+        rays_(arena, paths),
+        surfaces_(arena, paths),
+        vertices_(arena, paths),
+        connections_(arena, paths) {}
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+
+  /// The rays of paths that `follow` will follow.
+  BatchRays& rays() { return rays_; }
+
+  /// Follows the paths of `rays` to their ends; `kind` is that of their first rays. Steps without `scatter` have
+  /// no vertices, those without `emerge` no exits.
+  [[gnu::noinline]] void follow(RayTracer::Rays kind) {
+    for (; !rays_.empty(); kind = RayTracer::Rays::incoherent) {
+      arrive(kind);
+      if constexpr (requires { steps_.scatter(0); }) {
+        if constexpr (requires { steps_.along_rays(); })
+          if (auto* made = steps_.along_rays(); made && !made->rays.empty()) march(*made, -1);
+        if constexpr (requires { steps_.finish_lines(); }) steps_.finish_lines();
+        connect();
+        scatter();
+        if constexpr (requires { steps_.emerge(vertices_); })
+          if (scene_.has_exits()) emerge();
+      }
     }
-    if constexpr (kHasSegments) steps.put_segments(nullptr);
   }
-}
+
+private:
+  /// Traces the rays, and makes `vertices_` the list of paths that are at a vertex. Rays of paths that crossed a
+  /// surface are in `rays_` afterwards.
+  void arrive(RayTracer::Rays kind) {
+    surfaces_.clear(), vertices_.clear();
+    const auto sort = [&](int path, Event event, PathList& on_surfaces) {
+      if (event == Event::surface)
+        on_surfaces.add(path);
+      else if (event == Event::medium)
+        vertices_.add(path);
+      else if (event == Event::crossed)
+        rays_.add(path, steps_.ray(path));
+    };
+    rays_.intersect(scene_.tracer(), kind, [&](int path, const RayTracer::Hit& hit) {
+      if (hit.is_lost()) return steps_.lose(path);
+      sort(path, steps_.locate(path, hit), surfaces_);
+    });
+    if constexpr (requires { steps_.emit(0); })
+      for (const int path : surfaces_) sort(path, steps_.emit(path), vertices_);
+  }
+
+  /// Tests all connections of the vertices.
+  void connect() {
+    connect_each(vertices_, 0);
+    if constexpr (requires { steps_.connection_count(0); }) connect_further();
+    if constexpr (requires { steps_.connected_all(vertices_); }) steps_.connected_all(vertices_);
+    if constexpr (requires { steps_.connect_edges(vertices_); }) steps_.connect_edges(vertices_);
+  }
+  /// Tests the connections of vertices after the first connection of each.
+  [[gnu::noinline]] void connect_further() {
+    PathList& rest = surfaces_;
+    rest.clear();
+    for (const int path : vertices_)
+      if (steps_.connection_count(path) > 1) rest.add(path);
+    for (int k = 1; !rest.empty(); ++k) {
+      connect_each(rest, k);
+      rest.keep([&](int path) { return k + 1 < steps_.connection_count(path); });
+    }
+  }
+  /// Tests the k-th connection of each path.
+  [[gnu::always_inline]] inline void connect_each(const PathList& paths, int k) {
+    if constexpr (requires { steps_.choose(0, 0); })
+      for (const int path : paths) steps_.choose(path, k);
+    for (const int path : paths) {
+      auto& c = connections_.of_path[path];
+      if (!steps_.connect(path, k, c)) continue;
+      if constexpr (requires { steps_.crossings_left(path, k); })
+        c.crossings_left = steps_.crossings_left(path, k);
+      c.goes_behind = scene_.outline_edges() != nullptr;
+      c.ray.time = steps_.wavelengths(path).time;
+      connections_.rays.add(path, c.ray);
+    }
+    if (steps_.needs_march()) return march(connections_, k);
+    connections_.rays.test_visibility(scene_.tracer(), [&](int path, bool open) {
+      auto& c = connections_.of_path[path];
+      end_connection(path, k, c, open || is_lost(scene_, c));
+    });
+  }
+  /// Tests connections that may cross surfaces or media.
+  template <class Connections>
+  [[gnu::noinline]] void march(Connections& connections, int k) {
+    BatchRays& rays = connections.rays;
+    while (!rays.empty())
+      rays.intersect(scene_.tracer(), RayTracer::Rays::incoherent, [&](int path, const RayTracer::Hit& hit) {
+        auto& c = connections.of_path[path];
+        const Event event = cross(scene_, hit, c, steps_.wavelengths(path));
+        if (event == Event::crossed) {
+          rays.add(path, c.ray);
+          return;
+        }
+        if (event == Event::escape && scene_.has_media()) c.finish();
+        end_connection(path, k, c, event == Event::escape);
+      });
+  }
+  /// Hands the result of a connection to the steps.
+  template <class Connection>
+  void end_connection(int path, int k, Connection& c, bool open) {
+    if (open || scene_.outline_edges())
+      open = apply_diffraction(scene_, c, open, steps_.wavelengths(path), steps_.connection_key(path));
+    steps_.end_connection(path, k, c, open);
+  }
+
+  /// Samples the next directions, and adds the rays of the paths that go on.
+  void scatter() {
+    for (const int path : vertices_)
+      if (steps_.scatter(path)) rays_.add(path, steps_.ray(path));
+  }
+
+  /// Samples the exits of paths that were refracted below a surface, as vertices. It is apart from the other
+  /// phases, so that they cost the same in scenes without such surfaces.
+  [[gnu::noinline]] void emerge() {
+    vertices_.clear();
+    steps_.emerge(vertices_);
+    if (vertices_.empty()) return;
+    connect();
+    scatter();
+  }
+
+  const Scene& scene_;
+  Steps& steps_;
+  BatchRays rays_;
+  PathList surfaces_, vertices_;
+  typename ConnectionsOf<Steps>::Type connections_;
+};
 
 }  // namespace aureole

@@ -4,7 +4,7 @@
 // returns at once.
 #pragma once
 
-#include <array>
+#include <span>
 
 #include "aureole/transport/edges.h"
 #include "aureole/transport/path.h"
@@ -55,10 +55,10 @@ public:
     auto& s = walk.state(i);
     if (scene_.outline_edges()) {
       s.density.attenuate(factor(walk, i, length));
-      s.diffraction.is_behind = s.diffraction.begins_at_infinity = false;
+      walk.diffraction(i).is_behind = walk.diffraction(i).begins_at_infinity = false;
       return;
     }
-    const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.diffraction.end()};
+    const LightWay segment{s.segment.origin, s.segment.ray.d, length, walk.diffraction(i).end()};
     s.density.attenuate(left_by_edges(scene_, segment, walk.wavelengths(i),
                                       key(walk.samples(i), s.vertex, Stream::distance)));
   }
@@ -75,7 +75,7 @@ public:
       if (!scene_.outline_edges()) return 0;
       auto& s = walk.state(i);
       return aureole::probability_behind(scene_, s.segment.origin, s.segment.ray.d,
-                                         s.diffraction.begins_at_infinity, walk.wavelengths(i));
+                                         walk.diffraction(i).begins_at_infinity, walk.wavelengths(i));
     }
   }
   /// Whether it continues, which it does with that probability. Connections find light behind obstacles without this
@@ -88,7 +88,7 @@ public:
     s.density.survive(goes_on ? probability : 1 - probability);
     if (goes_on) {
       s.density.r_l *= 1 / probability;
-      s.diffraction.is_behind = true;
+      walk.diffraction(i).is_behind = true;
     }
     return goes_on;
   }
@@ -97,10 +97,10 @@ public:
   Spectrum factor(W& walk, int i, float length) const {
     const auto& s = walk.state(i);
     // A segment of light from infinity is evaluated in reverse, from the point at which it arrives.
-    const bool is_reversed = s.diffraction.begins_at_infinity;
+    const bool is_reversed = walk.diffraction(i).begins_at_infinity;
     const Vec3 &o = s.segment.origin, &d = s.segment.ray.d;
     return segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
-                               is_reversed ? kInfinity : length, !s.diffraction.is_behind,
+                               is_reversed ? kInfinity : length, !walk.diffraction(i).is_behind,
                                walk.wavelengths(i));
   }
 
@@ -109,7 +109,8 @@ public:
   template <class W>
   bool arrive(W& walk, int i, const Vec3& p) const {
     auto& s = walk.state(i);
-    return !s.diffraction.is_set || s.diffraction.leaves_beam(scene_, p, walk.wavelengths(i), s.density);
+    return !walk.diffraction(i).is_set ||
+           walk.diffraction(i).leaves_beam(scene_, p, walk.wavelengths(i), s.density);
   }
 
   /// Whether the path leaves its vertex for an edge, which it does with the probability that `probability`
@@ -144,7 +145,7 @@ public:
   /// Updates the state of a path that is scattered at a vertex.
   template <class W>
   void scatter(W& walk, int i, bool delta) const {
-    auto& after = walk.state(i).diffraction;
+    auto& after = walk.diffraction(i);
     after.is_set = false;
     if constexpr (kIsTwoWayLight<W>) {
       // An edge before a mirror is sampled from the light, any other edge from the sensor.
@@ -272,14 +273,15 @@ private:
       edges.limit_crossings(walk.limits().crossings_left(s.crossed + n));
       return walk.limits().reaches(s.crossed + n);
     };
-    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.segment, s.diffraction))
+    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.segment, walk.diffraction(i)))
       return false;
     s.segment.begin();
     if constexpr (requires { s.density.leave_edge(0.f, true); }) {
-      s.density.leave_edge(s.diffraction.pdf, W::kFromSensor);
-      s.from.p = s.diffraction.edge;
+      s.density.leave_edge(walk.diffraction(i).pdf, W::kFromSensor);
+      s.from.p = walk.diffraction(i).edge;
     }
-    if constexpr (kIsTwoWayLight<W>) s.diffraction.found_from_sensor = s.diffraction.is_next = true;
+    if constexpr (kIsTwoWayLight<W>)
+      walk.diffraction(i).found_from_sensor = walk.diffraction(i).is_next = true;
     // Connections before the edge have already counted the lights that the path hits next.
     s.emission_counted = true;
     ++s.vertex;
@@ -341,14 +343,14 @@ template <class Run>
                                                std::vector<Splat>& splats, Run&& run) {
   if (!has_diffracting_edges(in.scene) || !in.limits.reaches(2)) return;
   const std::size_t n = in.paths.size();
-  std::array<Path, kBatch> second;
-  std::array<Vec2, kBatch> film;
+  const std::span<Path> second = in.arena.make<Path>(n);
+  Vec2* const film = in.arena.allocate<Vec2>(n);
   for (std::size_t i = 0; i < n; ++i) {
     second[i] = in.paths[i];
     for (int k = 0; k < stream; ++k) second[i].samples = second[i].samples.of_second_path();
     second[i].result = {};
   }
-  run(WalkInput{in.scene, in.limits, {second.data(), n}, in.log}, [&](auto& walk, BatchRays& rays) {
+  run(WalkInput{in.scene, in.limits, second, in.log, in.arena}, [&](auto& walk, BatchRays& rays) {
     for (std::size_t i = 0; i < n; ++i) {
       if (sees_lights)
         if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits))

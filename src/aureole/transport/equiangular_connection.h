@@ -51,7 +51,8 @@ bool connect_along(const Scene& scene, const RayState& state, BasicPathDensity<L
   const Spectrum r_equiangular = path.r_u * positions.pdf(t);
   path.pass({passed * at.sigma_s, passed * at.sigma_t, 1.f});
   const BasicVertex<Space::any, L> vertex({p, &medium}, -state.ray.d, w, TransportMode::radiance);
-  return connect_to_light(scene, vertex, state, path, u1, u2, w, {}, key + 1, out, &r_equiangular);
+  return connect_to_light(scene, vertex, sample_light(scene, vertex.p(), vertex.facing(), u1, u2, w), state,
+                          path, w, {}, key + 1, out, &r_equiangular);
 }
 
 }  // namespace aureole

@@ -3,10 +3,11 @@
 #pragma once
 
 #include "aureole/transport/driver.h"
+#include "aureole/transport/walk_state.h"
 
 namespace aureole {
 
-/// Steps for `follow`. `Viewer` has
+/// Steps for `Driver`. `Viewer` has
 ///     const Wavelengths& wavelengths(int path);
 ///     void lose(int path);                     as in driver.h
 ///     void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance);
@@ -18,7 +19,11 @@ namespace aureole {
 template <class Viewer>
 class LinesOfSight {
 public:
-  LinesOfSight(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
+  LinesOfSight(const Scene& scene, Viewer& viewer, Arena& arena, std::size_t paths)
+      : scene_(scene),
+        viewer_(viewer),
+        lines_(arena.make<TestSegment>(paths).data()),
+        keys_(arena.allocate<std::uint32_t>(paths)) {}
 
   /// Begins the line of sight of a path. `key` is for random numbers.
   void begin(int path, const RayState& start, std::uint32_t key, bool through_emitters = false) {
@@ -36,7 +41,7 @@ public:
   const Ray& ray(int path) const { return lines_[path].ray; }
   void lose(int path) { viewer_.lose(path); }
 
-  Event arrive(int path, const RayTracer::Hit& hit) {
+  Event locate(int path, const RayTracer::Hit& hit) {
     TestSegment& line = lines_[path];
     const Wavelengths& w = viewer_.wavelengths(path);
     const float t = hit ? hit.t : kInfinity;
@@ -76,8 +81,18 @@ private:
 
   const Scene& scene_;
   Viewer& viewer_;
-  TestSegment lines_[kBatch];
-  std::uint32_t keys_[kBatch];
+  TestSegment* const lines_;
+  std::uint32_t* const keys_;
+};
+
+/// Lines of sight of a walk, with their driver.
+template <class Viewer>
+struct DrivenLines {
+  DrivenLines(const WalkInput& in, Viewer& viewer)
+      : steps(in.scene, viewer, in.arena, in.paths.size()),
+        driver(in.scene, steps, in.arena, in.paths.size()) {}
+  LinesOfSight<Viewer> steps;
+  Driver<LinesOfSight<Viewer>> driver;
 };
 
 }  // namespace aureole

@@ -3,6 +3,8 @@
 // and the pdf with which light sampling would have found a light that a path has hit.
 #pragma once
 
+#include <optional>
+
 #include "aureole/core/keyed_random.h"
 #include "aureole/transport/vertex.h"
 
@@ -13,33 +15,47 @@ struct SampleCounts {
   float light = 1, scatter = 1;
 };
 
-/// Samples a light by `u1` and a direction towards it by `u2` for the vertex at the end of a path, to which
-/// `state` has led, and sets the connection. `beta`: throughput of the path. pdfs(choice, direct, response,
-/// own, other) gives the pdfs, relative to the hero's pdf of the path, of this connection and of all other
-/// techniques that find the same path. `key` is for random numbers along the connection. False where it
-/// carries no light.
+/// A light that was chosen for a vertex, and a direction towards it.
+struct LightSample {
+  LightChoice choice{};
+  std::optional<DirectSample> direct;
+
+  /// Whether light arrives along the direction.
+  bool has_light() const { return direct && direct->pdf > 0 && !is_black(direct->radiance); }
+};
+
+/// Chooses a light by `u1` and a direction towards it by `u2`, for a point that receives light on the side of
+/// `facing` (zero: on all sides).
+[[gnu::always_inline]] inline LightSample sample_light(const Scene& scene, const Vec3& p, const Vec3& facing,
+                                                       float u1, Vec2 u2, const Wavelengths& w) {
+  const auto choice = scene.lights().choose(p, facing, u1, w.time);
+  if (!choice || !(choice->probability > 0)) return {};
+  return {*choice, choice->light->sample_direct_facing(p, facing, choice->part, u2, w)};
+}
+
+/// Sets the connection of the vertex at the end of a path, to which `state` has led, with the light of
+/// `sample`. `beta`: throughput of the path. pdfs(choice, direct, response, own, other) gives the pdfs,
+/// relative to the hero's pdf of the path, of this connection and of all other techniques that find the same
+/// path. `key` is for random numbers along the connection. False where it carries no light.
 template <Space kSpace, class L, class Pdfs>
 [[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const BasicVertex<kSpace, L>& vertex,
-                                                    const RayState& state, const typename L::Weight& beta,
-                                                    float u1, Vec2 u2, const Wavelengths& w,
+                                                    const LightSample& sample, const RayState& state,
+                                                    const typename L::Weight& beta, const Wavelengths& w,
                                                     std::uint32_t key, BasicConnection<L>& out, Pdfs&& pdfs) {
-  const Vec3 facing = vertex.facing();
-  const auto choice = scene.lights().choose(vertex.p(), facing, u1, w.time);
-  if (!choice || !(choice->probability > 0)) return false;
-  const auto direct = choice->light->sample_direct_facing(vertex.p(), facing, choice->part, u2, w);
-  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return false;
+  if (!sample.has_light()) return false;
+  const DirectSample& direct = *sample.direct;
   BasicResponse<L> response;
-  if (!vertex.respond(direct->wo, response)) return false;
-  if (direct->infinite)
-    out.set(vertex.origin(), direct->wo);
+  if (!vertex.respond(direct.wo, response)) return false;
+  if (direct.infinite)
+    out.set(vertex.origin(), direct.wo);
   else
-    out.set(vertex.origin(), direct->wo, RayOrigin::of(*direct));
+    out.set(vertex.origin(), direct.wo, RayOrigin::of(direct));
   out.near = beta.after(response.value);
-  out.far = L::emitted(direct->radiance);
+  out.far = L::emitted(direct.radiance);
   Spectrum own, other;
-  pdfs(*choice, *direct, response, own, other);
+  pdfs(sample.choice, direct, response, own, other);
   const bool has_media = kSpace == Space::any && scene.has_media();
-  if (has_media) out.begin_in(vertex.leaving(direct->wo, state), key);
+  if (has_media) out.begin_in(vertex.leaving(direct.wo, state), key);
   out.weigh(has_media, own, other, w);
   return true;
 }
@@ -49,13 +65,12 @@ template <Space kSpace, class L, class Pdfs>
 /// none.
 template <Space kSpace, class L>
 [[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const BasicVertex<kSpace, L>& vertex,
-                                                    const RayState& state,
+                                                    const LightSample& sample, const RayState& state,
                                                     const BasicPathDensity<L, PathStart::sensor>& path,
-                                                    float u1, Vec2 u2, const Wavelengths& w,
-                                                    SampleCounts counts, std::uint32_t key,
-                                                    BasicConnection<L>& out,
+                                                    const Wavelengths& w, SampleCounts counts,
+                                                    std::uint32_t key, BasicConnection<L>& out,
                                                     const Spectrum* r_equiangular = nullptr) {
-  return connect_to_light(scene, vertex, state, path.beta, u1, u2, w, key, out,
+  return connect_to_light(scene, vertex, sample, state, path.beta, w, key, out,
                           [&](const LightChoice& choice, const DirectSample& direct,
                               const BasicResponse<L>& response, Spectrum& own, Spectrum& other) {
                             own = (r_equiangular ? path.r_u + *r_equiangular : path.r_u) *

@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-class Light;
+struct Light;
 class Medium;
 struct SurfacePoint;
 

@@ -16,7 +16,6 @@
 // connection has none.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "aureole/transport/batch.h"
@@ -125,27 +124,19 @@ struct LightVertex {
 template <class L>
 class LightVertices {
 public:
+  LightVertices(Arena& arena, std::size_t paths)
+      : arena_(arena), present_(arena.allocate<LightVertex<L>*>(paths)) {}
   template <class Make>
   BasicVertex<Space::any, L>& make(int path, const Make& make) {
-    if (used_ % kChunk == 0 && used_ / kChunk == chunks_.size())
-      chunks_.push_back(std::make_unique_for_overwrite<Room[]>(kChunk));
-    Room& room = chunks_[used_ / kChunk][used_ % kChunk];
-    ++used_;
-    return (present_[path] = new (room.bytes) LightVertex<L>(make))->vertex;
+    return (present_[path] = new (arena_.allocate<LightVertex<L>>(1)) LightVertex<L>(make))->vertex;
   }
   BasicVertex<Space::any, L>& operator[](int path) { return present_[path]->vertex; }
   /// The present vertex of a path in the batch.
   LightVertex<L>& present(int path) { return *present_[path]; }
 
 private:
-  static_assert(std::is_trivially_destructible_v<LightVertex<L>>);
-  static constexpr std::size_t kChunk = 64;
-  struct Room {
-    alignas(LightVertex<L>) std::byte bytes[sizeof(LightVertex<L>)];
-  };
-  std::vector<std::unique_ptr<Room[]>> chunks_;
-  std::size_t used_ = 0;
-  LightVertex<L>* present_[kBatch];
+  Arena& arena_;
+  LightVertex<L>** present_;
 };
 
 }  // namespace aureole

@@ -3,17 +3,21 @@
 // step is written here once; integrators derive from it and say what they connect with what.
 //
 // A step of the driver (transport/driver.h) has these phases, each over all paths of the batch:
-//   arrive   the ray through the medium that it is in; the vertex that it leads to; emission at the hit point
-//   connect  next-event estimation from the vertex: what the integrator's `connect` says
+//   locate   the ray through the medium that it is in, and the vertex that it leads to
+//   emit     emission at the hit point; limits of the path's length
+//   choose   the other end of a connection, such as a light: what the integrator's `choose` says
+//   connect  next-event estimation from the vertex, by the response of its BSDF or phase function: what the
+//            integrator's `connect` says; the driver traces the connection
 //   scatter  the next direction, by the BSDF or the phase function; Russian roulette
 //   emerge   exits of paths that were refracted into a surface with a BSSRDF (transport/emerge.h)
-// Null surfaces and interfaces between media are crossed within `arrive` and `scatter`: they are no vertices.
+// Null surfaces and interfaces between media are crossed within these phases: they are no vertices.
 //
 // `Kind` of a walk names its parts:
 //   L                    light and maps of light: Unpolarised (spectrum/weight.h)
 //   Space kSpace         the scenes that it is compiled for
 //   Density              throughput and pdfs: PathDensity, LightPathDensity, or TwoWayDensity of `bdpt`
-//   State                further state of a path
+//   State                further state of a path that every step uses
+//   RareState            further state that few scenes use, kept apart
 //   Vertices             storage of the vertices of a batch, PerPath<Vertex> or one that keeps earlier vertices
 //   bool kEmerges        whether paths continue below surfaces with a BSSRDF
 //   bool kScattersInMedia   distance sampling in media; else paths pass media by their transmittance
@@ -30,7 +34,8 @@
 //   follows_last(i)                  whether a light path samples a direction at its last vertex
 //   may_cut_ray(i)                   whether the ray may be cut where the medium will scatter the path
 //   connection_count(i)              upper bound of the number of connections of the vertex
-//   connect(i, k, connection)        makes the k-th one; false where there is none
+//   choose(i, k)                     chooses the other end of the k-th one
+//   connect(i, k, connection)        makes it; false where there is none
 //   connected(i, k, connection, open)   receives its result
 //   further_segments(i, k)           segments of the path beyond the k-th connection
 //   has_technique(s, t)              whether paths of s vertices from the light and t from the sensor count
@@ -38,7 +43,7 @@
 //   has_indirect_light()             whether such a vertex also has light by way of surfaces
 #pragma once
 
-#include <utility>
+#include <span>
 
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/driver.h"
@@ -67,10 +72,19 @@ public:
   using Connection = BasicConnection<L>;
   using Density = typename Kind::Density;
   struct State : WalkState<Kind::kSpace, Density>, Kind::State {};
+  struct RareState : RareWalkState<Kind::kSpace>, Kind::RareState {};
 
   explicit Walk(const WalkInput& in)
-      : scene_(in.scene), limits_(in.limits), paths_(in.paths), log_(in.log), edges_(in.scene) {
-    if (kAny && in.scene.has_contacts()) contacts_.resize(kBatch);
+      : scene_(in.scene),
+        limits_(in.limits),
+        paths_(in.paths),
+        log_(in.log),
+        states_(in.arena.make<State>(in.paths.size()).data()),
+        rare_states_(in.arena.make<RareState>(in.paths.size()).data()),
+        vertices_(in.arena, in.paths.size()),
+        below_(in.arena, Kind::kEmerges && in.scene.has_exits() ? in.paths.size() : 0),
+        edges_(in.scene) {
+    if (kAny && in.scene.has_contacts()) contacts_ = in.arena.make<Contact>(in.paths.size());
   }
 
   // Functions that the driver calls:
@@ -88,9 +102,10 @@ public:
   /// segments.
   int crossings_before_light(int i) const { return crossings_beside(i, 1); }
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
-  Event arrive(int i, const RayTracer::Hit& hit);
+  Event locate(int i, const RayTracer::Hit& hit);
+  Event emit(int i);
   bool scatter(int i);
-  PathList emerge() requires(Kind::kEmerges);
+  void emerge(PathList& vertices) requires(Kind::kEmerges);
   void end_connection(int i, int k, const Connection& c, bool open) {
     if constexpr (kAny)
       if (k == 0) states_[i].is_connected = open;
@@ -106,6 +121,7 @@ public:
   Path& path(int i) { return paths_[size_t(i)]; }
   const BatchLog& log() const { return log_; }
   State& state(int i) { return states_[i]; }
+  DiffractionState& diffraction(int i) requires kAny { return rare_states_[i].diffraction; }
   Vertex& vertex(int i) { return vertices_[i]; }
   /// Throughput and pdfs at the present vertex.
   const Density& vertex_density(int i) const { return states_[i].density; }
@@ -203,6 +219,17 @@ protected:
       find_interiors(scene_, nullptr, s.segment);
     }
   }
+  /// Samples a light for the present vertex of a path from the sensor.
+  [[gnu::always_inline]] LightSample sample_light(int i) {
+    const State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if constexpr (kAny)
+      if (!vertex.is_surface() && !scene_.lights_reach(*s.segment.medium)) return {};
+    return aureole::sample_light(
+        scene_, vertex.p(), vertex.facing(),
+        scene_.lights().is_single() ? 0.f : get(paths_[size_t(i)].samples, s.vertex, Choice::light),
+        get(s.pairs, Pair::connection), wavelengths(i));
+  }
   struct Emitted {
     LightChoice choice;
     EmittedRay ray;
@@ -216,7 +243,8 @@ protected:
   const PathLimits& limits_;
   const std::span<Path> paths_;
   const BatchLog& log_;
-  State states_[kBatch];
+  State* const states_;           ///< of each path
+  RareState* const rare_states_;  ///< of each path
   typename Kind::Vertices vertices_;
 
 private:
@@ -253,13 +281,13 @@ private:
   }
 
   /// contacts at the vertices of the paths, in scenes with surfaces that touch
-  std::vector<Contact> contacts_;
+  std::span<Contact> contacts_;
   PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
   EdgeWalk edges_;
 };
 
 template <class Self, class Kind>
-Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
+Event Walk<Self, Kind>::locate(int i, const RayTracer::Hit& hit) {
   State& s = states_[i];
   if constexpr (kAny) {
     const float t = hit ? hit.t : kInfinity;
@@ -283,6 +311,15 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
     go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
   }
+  return Event::surface;
+}
+
+/// Adds the emission of the surface that the path has hit; `surface` where the path has a vertex there.
+template <class Self, class Kind>
+[[gnu::always_inline]] inline Event Walk<Self, Kind>::emit(int i) {
+  State& s = states_[i];
+  Path& path = paths_[size_t(i)];
+  Vertex& vertex = vertices_[i];
   // A light that `hide_emitters` makes invisible lies within the segment, as an inactive surface does.
   const bool is_hidden = kFromSensor && limits_.hide_emitters && s.depth == 0 && vertex.light();
   bool is_emission_counted = false;
@@ -382,7 +419,7 @@ Event Walk<Self, Kind>::escape(int i) {
   Path& path = paths_[size_t(i)];
   bool is_behind = false;
   if constexpr (kAny) {
-    is_behind = s.diffraction.is_behind;
+    is_behind = diffraction(i).is_behind;
     edges_.attenuate(self(), i, kInfinity);
   }
   if (log_.follows(i)) log_({.kind = PathEvent::Kind::escape, .depth = s.depth, .d = s.segment.ray.d});
@@ -477,9 +514,8 @@ bool Walk<Self, Kind>::survives(int i) {
 /// Subsurface scattering adds no segment to the path: light that leaves at an exit counts as scattered by the
 /// surface.
 template <class Self, class Kind>
-PathList Walk<Self, Kind>::emerge() requires(Kind::kEmerges) {
-  PathList vertices;
-  for (const int i : std::exchange(below_, {})) {
+void Walk<Self, Kind>::emerge(PathList& vertices) requires(Kind::kEmerges) {
+  for (const int i : below_) {
     State& s = states_[i];
     if (!aureole::emerge(scene_, vertices_, i, paths_[size_t(i)].wavelengths, self().samples(i), kMode,
                          s.vertex, s.density, s.segment))
@@ -489,7 +525,7 @@ PathList Walk<Self, Kind>::emerge() requires(Kind::kEmerges) {
     if constexpr (kAny) s.is_connected = false;
     vertices.add(i);
   }
-  return vertices;
+  below_.clear();
 }
 
 template <class Self, class Kind>
@@ -506,7 +542,7 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
   s.density.beta = L::emitted(emitted->value);
   s.density.survive(pdf);
   s.first_throughput = s.density.hero_symmetric_throughput();
-  s.diffraction.begins_at_infinity = choice->light->is_infinite();
+  diffraction(i).begins_at_infinity = choice->light->is_infinite();
   const RayOrigin from = RayOrigin::of(*emitted);
   s.segment.ray = from.spawn(emitted->d);
   s.segment.ray.time = wavelengths(i).time;
@@ -520,6 +556,24 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
           .light = choice->light,
           .part = choice->part});
   return Emitted{*choice, *emitted, pdf};
+}
+
+/// Follows a walk whose paths begin with the rays of the sensor.
+template <class W>
+void follow_from_sensor(const WalkInput& in, W& walk) {
+  Driver driver(in.scene, walk, in.arena, in.paths.size());
+  for (std::size_t i = 0; i < in.paths.size(); ++i) {
+    walk.start(int(i));
+    driver.rays().add(int(i), in.paths[i].ray);
+  }
+  driver.follow(RayTracer::Rays::coherent);
+}
+/// Follows a walk whose paths `begin` has begun: begin(walk, rays) adds their rays.
+template <class W, class Begin>
+void follow_from(const WalkInput& in, W& walk, const Begin& begin) {
+  Driver driver(in.scene, walk, in.arena, in.paths.size());
+  begin(walk, driver.rays());
+  driver.follow(RayTracer::Rays::incoherent);
 }
 
 }  // namespace aureole

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "aureole/transport/batch.h"
 #include "aureole/transport/diffraction.h"
 #include "aureole/transport/medium_segment.h"
 #include "aureole/transport/path.h"
@@ -18,6 +19,7 @@ struct WalkInput {
   const PathLimits& limits;
   std::span<Path> paths;
   const BatchLog& log;
+  Arena& arena;  ///< where the walk allocates its records
 };
 
 /// State that only paths in `Space::any` have.
@@ -29,9 +31,15 @@ struct WalkStateInSpace {
   bool is_connected = false;
   /// throughput at the start of the path: Russian roulette uses throughput relative to it
   float first_throughput = 1;
-  DiffractionState diffraction;
 };
 struct WalkStateInEmptySpace {};
+
+/// State of a path that few scenes use.
+struct RareStateInSpace {
+  DiffractionState diffraction;
+};
+template <Space kSpace>
+using RareWalkState = std::conditional_t<kSpace == Space::any, RareStateInSpace, WalkStateInEmptySpace>;
 
 template <Space kSpace, class Density>
 struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, WalkStateInEmptySpace> {

@@ -23,6 +23,7 @@ struct LightKind {
   static constexpr bool kEmerges = false;  // `BidirectionalPathTracer::require_scene` refuses such scenes
   using Density = LightSubpathDensity<L>;
   using State = LightState<L>;
+  struct RareState {};
   using Vertices = LightVertices<L>;
 };
 
@@ -40,7 +41,7 @@ public:
   /// `earlier`: another walk to whose vertices this walk adds its own, or null.
   LightWalk(const WalkInput& in, const Techniques& techniques, std::vector<Splat>& splats, int streams = 1,
             const LightWalk* earlier = nullptr)
-      : Base(in), techniques_(techniques), splats_(splats) {
+      : Base(in), techniques_(techniques), splats_(splats), film_(in.arena.allocate<Vec2>(in.paths.size())) {
     for (size_t i = 0; i < in.paths.size(); ++i) {
       State& s = states_[i];
       s.samples = in.paths[i].samples;
@@ -124,11 +125,11 @@ public:
 
 private:
   /// Whether other techniques connect the present vertex.
-  bool may_connect(int i) { return vertices_[i].is_smooth() && !states_[i].diffraction.found_from_sensor; }
+  bool may_connect(int i) { return vertices_[i].is_smooth() && !this->diffraction(i).found_from_sensor; }
 
   const Techniques& techniques_;
   std::vector<Splat>& splats_;
-  Vec2 film_[kBatch];  ///< position on the film to which a connection contributes
+  Vec2* const film_;  ///< position on the film to which a connection contributes
 };
 
 }  // namespace aureole::bdpt

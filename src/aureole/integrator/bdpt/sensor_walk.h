@@ -25,6 +25,7 @@ struct SensorKind {
   static constexpr bool kEmerges = false;  // `BidirectionalPathTracer::require_scene` refuses such scenes
   using Density = SensorSubpathDensity<L>;
   using State = SensorState<L>;
+  struct RareState {};
   using Vertices = PerPath<BasicVertex<Space::any, L>>;
 };
 
@@ -38,7 +39,8 @@ public:
   using Base::path, Base::wavelengths;
   using typename Base::Connection;
 
-  SensorWalk(const WalkInput& in, const Techniques& techniques) : Base(in), techniques_(techniques) {}
+  SensorWalk(const WalkInput& in, const Techniques& techniques)
+      : Base(in), techniques_(techniques), lights_(in.arena, in.paths.size()) {}
 
   /// Begins a path with the ray of the sensor.
   void start(int i) {
@@ -53,6 +55,14 @@ public:
   int connection_count(int i) {
     const State& s = states_[i];
     return s.light && is_connectable(i) ? 1 + s.light->count : 1;
+  }
+  void choose(int i, int k) {
+    if (k > 0) return;
+    lights_.make(i, [&]() -> LightSample {
+      const State& s = states_[i];
+      if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.depth + 2)) return {};
+      return this->sample_light(i);
+    });
   }
   bool connect(int i, int k, Connection& out) {
     if (k == 0) return connect_with_light(i, out);
@@ -133,33 +143,30 @@ private:
   bool connect_with_light(int i, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
-    if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.depth + 2)) return false;
-    if (!vertex.is_surface() && !scene_.lights_reach(*s.segment.medium)) return false;
     Path& p = path(i);
-    return connect_to_light(
-        scene_, vertex, s.segment, s.arrived.beta,
-        scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
-        get(s.pairs, Pair::connection), p.wavelengths, key(p.samples, s.vertex, Stream::connection), out,
-        [&](const LightChoice& choice, const DirectSample& direct, const auto& response, Spectrum& own,
-            Spectrum& other) {
-          SurfacePoint emitting;
-          emitting.p = direct.p, emitting.ng = direct.ng;
-          emitting.time = p.wavelengths.time;
-          // The pdf of a light path to the vertex, with its position on the light per
-          // solid angle as seen from here.
-          const bool has_shape = choice.light->shape;
-          float emission = emission_density(scene_, *choice.light, choice.part,
-                                            has_shape ? &emitting : nullptr, -direct.wo, p.wavelengths.time);
-          if (has_shape)
-            emission *= safe_inverse(std::abs(dot(direct.ng, direct.wo)));
-          else if (!direct.infinite)
-            emission *= safe_inverse(length_squared(direct.p - vertex.p()));
-          own = s.arrived.r_u * (choice.probability * direct.pdf);
-          other =
-              s.arrived.others(vertex.reverse_pdf(direct.wo)) * vertex.density_across(direct.wo) * emission;
-          if (!direct.delta) other += s.arrived.r_u * response.pdf;
-          other = techniques_.others(other);
-        });
+    return connect_to_light(scene_, vertex, lights_[i], s.segment, s.arrived.beta, p.wavelengths,
+                            key(p.samples, s.vertex, Stream::connection), out,
+                            [&](const LightChoice& choice, const DirectSample& direct, const auto& response,
+                                Spectrum& own, Spectrum& other) {
+                              SurfacePoint emitting;
+                              emitting.p = direct.p, emitting.ng = direct.ng;
+                              emitting.time = p.wavelengths.time;
+                              // The pdf of a light path to the vertex, with its position on the light per
+                              // solid angle as seen from here.
+                              const bool has_shape = choice.light->shape;
+                              float emission = emission_density(scene_, *choice.light, choice.part,
+                                                                has_shape ? &emitting : nullptr, -direct.wo,
+                                                                p.wavelengths.time);
+                              if (has_shape)
+                                emission *= safe_inverse(std::abs(dot(direct.ng, direct.wo)));
+                              else if (!direct.infinite)
+                                emission *= safe_inverse(length_squared(direct.p - vertex.p()));
+                              own = s.arrived.r_u * (choice.probability * direct.pdf);
+                              other = s.arrived.others(vertex.reverse_pdf(direct.wo)) *
+                                      vertex.density_across(direct.wo) * emission;
+                              if (!direct.delta) other += s.arrived.r_u * response.pdf;
+                              other = techniques_.others(other);
+                            });
   }
 
   bool connect_with_vertex(int i, const LightVertex<L>& end, Connection& out) {
@@ -192,6 +199,7 @@ private:
   static float safe_inverse(float x) { return x > 0 ? 1 / x : 0.f; }
 
   const Techniques& techniques_;
+  PerPath<LightSample> lights_;
 };
 
 }  // namespace aureole::bdpt

@@ -30,14 +30,16 @@ struct PathKind {
   static constexpr Space kSpace = kPathSpace;
   static constexpr bool kEmerges = true, kScattersInMedia = true;
   using Density = BasicPathDensity<L, PathStart::sensor>;
-  using State = std::conditional_t<kSpace == Space::any, PathInSpace<L>, PathInEmptySpace>;
+  struct State {};
+  using RareState = std::conditional_t<kSpace == Space::any, PathInSpace<L>, PathInEmptySpace>;
   using Vertices = PerPath<BasicVertex<kSpace, L>>;
 };
 
 template <Space kSpace, class L = Unpolarised>
 class PathWalk : public Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>> {
   using Base = Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>>;
-  using Base::has_media, Base::limits_, Base::log_, Base::scene_, Base::states_, Base::vertices_;
+  using Base::has_media, Base::limits_, Base::log_, Base::rare_states_, Base::scene_, Base::states_,
+      Base::vertices_;
   using typename Base::State, typename Base::Scatter, typename Base::Vertex;
   static constexpr bool kAny = kSpace == Space::any;
 
@@ -50,18 +52,28 @@ public:
         media_(kAny ? connected_media(in.scene) : nullptr),
         // Equiangular sampling is off in scenes with edges that diffract, since its MIS weights do not
         // include the choice of an edge.
-        samples_equiangular_(kAny && !in.scene.diffraction() && in.scene.lights().tree().can_be_connected()) {
-    if (has_media()) line_steps_.emplace(in.scene, *this);
+        samples_equiangular_(kAny && !in.scene.diffraction() && in.scene.lights().tree().can_be_connected()),
+        lights_(in.arena, in.paths.size()) {
+    if (!has_media()) return;
+    lines_.emplace(in, *this);
+    along_rays_.emplace(in.arena, in.paths.size());
   }
 
   void start(int i) {
     this->begin_at_sensor(i);
     // Light sampling at a receiver finds no emission of media.
-    if constexpr (kAny) states_[i].emission_share = path(i).receiver ? 0.f : 1.f;
+    if constexpr (kAny) rare_states_[i].emission_share = path(i).receiver ? 0.f : 1.f;
   }
 
   // Next-event estimation: k = 0 a light, k = 1 a medium that emits.
   int connection_count(int) const { return media_ ? 2 : 1; }
+  void choose(int i, int k) {
+    if (kAny && k == 1) return;
+    lights_.make(i, [&]() -> LightSample {
+      if (states_[i].last || !vertices_[i].is_smooth() || scene_.lights().empty()) return {};
+      return this->sample_light(i);
+    });
+  }
   [[gnu::always_inline]] bool connect(int i, int k, Connection& out) {
     if constexpr (kAny)
       if (k == 1) return connect_to_emission(i, out);
@@ -69,15 +81,9 @@ public:
     const Vertex& vertex = vertices_[i];
     const Spectrum* r_equiangular = nullptr;
     if constexpr (kAny)
-      if (!vertex.is_surface()) {
-        if (!scene_.lights_reach(*s.segment.medium)) return false;
-        r_equiangular = &s.r_equiangular;
-      }
-    if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
+      if (!vertex.is_surface()) r_equiangular = &rare_states_[i].r_equiangular;
     Path& p = path(i);
-    if (!connect_to_light(scene_, vertex, s.segment, s.density,
-                          scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
-                          get(s.pairs, Pair::connection), p.wavelengths, {},
+    if (!connect_to_light(scene_, vertex, lights_[i], s.segment, s.density, p.wavelengths, {},
                           has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out, r_equiangular))
       return false;
     out.others_go_behind = true;
@@ -107,25 +113,29 @@ public:
   Spectrum* emission_in_media(int i) {
     return states_[i].emission_counted ? nullptr : &path(i).result.estimate;
   }
-  EmissionSampling emission_sampling(int i) { return {media_, states_[i].from, states_[i].emission_share}; }
+  EmissionSampling emission_sampling(int i) {
+    return {media_, states_[i].from, rare_states_[i].emission_share};
+  }
   void before_distance(int i, const RayTracer::Hit& hit) {
     begin_line(i, hit);
-    states_[i].positions = connect_segment(i, hit ? hit.t : kInfinity);
+    rare_states_[i].positions = connect_segment(i, hit ? hit.t : kInfinity);
   }
   void after_distance(int i, const Vec3& p, const Spectrum& chosen) {
-    State& s = states_[i];
-    s.r_equiangular = s.positions
-                          ? chosen * s.positions->pdf(dot(p - s.segment.from_surface().o, s.segment.ray.d))
-                          : Spectrum(0.f);
+    PathInSpace<L>& rare = rare_states_[i];
+    const Segment& segment = states_[i].segment;
+    rare.r_equiangular = rare.positions
+                             ? chosen * rare.positions->pdf(dot(p - segment.from_surface().o, segment.ray.d))
+                             : Spectrum(0.f);
   }
   void scattered(int i, const Scatter& b) {
     if constexpr (kAny) {
-      State& s = states_[i];
-      s.emission_share = 1.f;
+      PathInSpace<L>& rare = rare_states_[i];
+      rare.emission_share = 1.f;
       if (vertices_[i].is_surface()) return;
-      const Spectrum walked = s.density.r_l;
-      s.density.r_l += s.r_equiangular * (1 / b.pdf[0]);
-      if (media_) s.emission_share = safe_divide(walked, s.density.r_l);
+      Spectrum& r_l = states_[i].density.r_l;
+      const Spectrum walked = r_l;
+      r_l += rare.r_equiangular * (1 / b.pdf[0]);
+      if (media_) rare.emission_share = safe_divide(walked, r_l);
     }
   }
   bool may_cut_ray(int i) const {
@@ -133,23 +143,23 @@ public:
   }
 
   // Functions that the driver calls:
-  void put_segments(BatchConnections<Connection>* room) requires kAny { segments_ = room; }
+  BatchConnections<Connection>* along_rays() requires kAny { return along_rays_ ? &*along_rays_ : nullptr; }
   void finish_lines() requires kAny {
-    if (!lines_.empty()) follow(scene_, *line_steps_, lines_, RayTracer::Rays::incoherent);
+    if (lines_) lines_->driver.follow(RayTracer::Rays::incoherent);
   }
 
   // Functions that lines of sight call:
-  SegmentEmission emission(int i) const { return {.r_u = states_[i].line_start.r_u}; }
+  SegmentEmission emission(int i) const { return {.r_u = rare_states_[i].line_start.r_u}; }
   void see(int i, const Spectrum& light) { add_seen(i, nullptr, {}, light); }
   void see(int i, const Light&, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
-    if (!is_black(radiance)) add_seen(i, point, d, radiance * (1 / sum(states_[i].line_start.r_u)));
+    if (!is_black(radiance)) add_seen(i, point, d, radiance * (1 / sum(rare_states_[i].line_start.r_u)));
   }
 
 private:
   /// Adds emission along a line of sight: of a light at `point` or along `d`, or of media.
   void add_seen(int i, const SurfacePoint* point, const Vec3& d, const Spectrum& light) {
     Path& p = path(i);
-    const Spectrum estimate = states_[i].line_start.seen(light) / p.wavelengths.pdf;
+    const Spectrum estimate = rare_states_[i].line_start.seen(light) / p.wavelengths.pdf;
     p.result.estimate += estimate;
     if (log_.follows(i))
       log_({.kind = PathEvent::Kind::other,
@@ -181,9 +191,10 @@ private:
     if (s.emission_counted || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
     if (!scene_.may_meet_shining_shape(s.segment.ray)) return;
     s.emission_counted = true;
-    s.line_start = s.density;
-    line_steps_->begin(i, s.segment, key(path(i).samples, s.vertex, Stream::line_of_sight));
-    if (line_steps_->arrive(i, hit) == Event::crossed) lines_.add(i, line_steps_->ray(i));
+    rare_states_[i].line_start = s.density;
+    LinesOfSight<PathWalk>& steps = lines_->steps;
+    steps.begin(i, s.segment, key(path(i).samples, s.vertex, Stream::line_of_sight));
+    if (steps.locate(i, hit) == Event::crossed) lines_->driver.rays().add(i, steps.ray(i));
   }
 
   /// Whether positions along the present ray in its medium may be sampled about lights.
@@ -210,19 +221,20 @@ private:
     if (connect_along(scene_, s.segment, s.density, *positions, get(p.samples, s.vertex, Choice::distance),
                       get(p.samples, s.vertex + 1, Choice::light), get(pairs, Pair::connection),
                       p.wavelengths, key(p.samples, s.vertex, Stream::equiangular_connection),
-                      segments_->of_path[i])) {
-      segments_->of_path[i].crossings_left = this->crossings_left(i, -1);
-      segments_->of_path[i].ray.time = p.wavelengths.time;
-      segments_->rays.add(i, segments_->of_path[i].ray);
+                      along_rays_->of_path[i])) {
+      along_rays_->of_path[i].crossings_left = this->crossings_left(i, -1);
+      along_rays_->of_path[i].ray.time = p.wavelengths.time;
+      along_rays_->rays.add(i, along_rays_->of_path[i].ray);
     }
     return positions;
   }
 
   const EmittingMedia* media_;      ///< media whose emission next-event estimation samples, or null
   const bool samples_equiangular_;  ///< whether equiangular sampling is used in media
-  BatchConnections<Connection>* segments_ = nullptr;
-  std::optional<LinesOfSight<PathWalk>> line_steps_;  ///< lines of sight, in scenes with media
-  BatchRays lines_;                                   ///< rays of the lines of sight
+  PerPath<LightSample> lights_;     ///< the light that the present connection leads to
+  std::optional<BatchConnections<Connection>>
+      along_rays_;                              ///< of positions along the rays, in scenes with media
+  std::optional<DrivenLines<PathWalk>> lines_;  ///< lines of sight, in scenes with media
 };
 
 }  // namespace aureole

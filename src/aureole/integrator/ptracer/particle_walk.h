@@ -16,6 +16,7 @@ struct ParticleKind {
   static constexpr bool kEmerges = true, kScattersInMedia = true;
   using Density = BasicPathDensity<L, PathStart::emitter>;
   struct State {};
+  struct RareState {};
   using Vertices = PerPath<BasicVertex<Space::any, L>>;
 };
 
@@ -34,7 +35,8 @@ public:
       : Base(in),
         splats_(splats),
         counts_crossings_(in.scene.sensor().counts_crossings()),
-        counts_beams_(counts_crossings_ && in.limits.reaches(1) && !in.limits.hide_emitters) {}
+        counts_beams_(counts_crossings_ && in.limits.reaches(1) && !in.limits.hide_emitters),
+        film_(in.arena.allocate<Vec2>(in.paths.size())) {}
 
   /// Whether paths of one segment, straight from a light to the sensor, count.
   bool counts_beams() const { return counts_beams_; }
@@ -45,7 +47,7 @@ public:
     Vec2 u = p.samples.get2(SampleStream::choice(0, int(Choice::light)));
     const EmittingMedia* media = scene_.emitting_media();
     const float share = media ? float(media->power() / (media->power() + scene_.lights().power())) : 0.f;
-    if (u.x < share) return start_in_medium(i, *media, u.x / share, share);
+    if (media && u.x < share) return start_in_medium(i, *media, u.x / share, share);
     if (share > 0) u.x = std::min((u.x - share) / (1 - share), 0x1.fffffep-1f);
     const auto emitted = this->begin_at_light(i, u, 1 - share);
     if (!emitted) return false;
@@ -129,7 +131,7 @@ private:
 
   std::vector<Splat>& splats_;
   const bool counts_crossings_, counts_beams_;
-  Vec2 film_[kBatch];  ///< position on the film to which a connection contributes
+  Vec2* const film_;  ///< position on the film to which a connection contributes
 };
 
 }  // namespace aureole
