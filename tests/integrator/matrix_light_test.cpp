@@ -81,25 +81,11 @@ Mean mean_of(const Scene& scene, std::uint64_t seed, const Trace& trace) {
   return {value, std::sqrt(std::max(0.0, squares / kBatches - value * value) / (kBatches - 1))};
 }
 
-template <class Walk>
-void start_and_follow(const WalkInput& in, Walk& walk) {
-  follow_from(in, walk, [&](Walk&, BatchRays& rays) {
-    for (int i = 0; i < int(in.paths.size()); ++i) {
-      if constexpr (std::is_same_v<decltype(walk.start(i)), bool>) {
-        if (!walk.start(i)) continue;
-      } else {
-        walk.start(i);
-      }
-      rays.add(i, walk.ray(i));
-    }
-  });
-}
-
 template <class L>
 Mean by_path(const Scene& scene) {
   return mean_of(scene, 1, [](const WalkInput& in, std::vector<Splat>&) {
     PathWalk<Space::any, L> walk(in);
-    start_and_follow(in, walk);
+    follow_from_start(in, walk);
   });
 }
 /// Without light that the sensor sees directly.
@@ -107,7 +93,7 @@ template <class L>
 Mean by_light(const Scene& scene) {
   return mean_of(scene, 2, [](const WalkInput& in, std::vector<Splat>& splats) {
     ParticleWalk<L> walk(in, splats);
-    start_and_follow(in, walk);
+    follow_from_start(in, walk);
   });
 }
 template <class L>
@@ -115,10 +101,9 @@ Mean by_both(const Scene& scene) {
   const bdpt::Techniques techniques{-1, -1};
   return mean_of(scene, 3, [&](const WalkInput& in, std::vector<Splat>& splats) {
     bdpt::LightWalk<L> light(in, techniques, splats);
-    start_and_follow(in, light);
-    bdpt::SensorWalk<L> sensor(in, techniques);
-    for (int i = 0; i < int(in.paths.size()); ++i) sensor.put_light(i, light.last_vertex(i));
-    start_and_follow(in, sensor);
+    follow_from_start(in, light);
+    bdpt::SensorWalk<L> sensor(in, techniques, &light);
+    follow_from_start(in, sensor);
   });
 }
 

@@ -189,7 +189,7 @@ TEST_P(LockStep, PathsAsOneByOne) {
   const size_t channels = integrator.aov_names().size();
   int lit = 0;
   for (std::uint64_t pixel = 0; pixel < 400; ++pixel) {
-    const size_t n = 1 + pixel % kBatch;
+    const size_t n = 1 + pixel % 40;  // up to three packets of rays
     std::vector<Path> paths(n);
     std::vector<float> together(n * channels), alone(channels);
     for (size_t i = 0; i < n; ++i) {
@@ -230,6 +230,20 @@ TEST_P(LockStep, PathsAsOneByOne) {
   EXPECT_GT(lit, integrator.leaves() == Integrator::Leaves::film ? 300 : 400);
 }
 
+/// A sphere of glowing fog, and one of skin, before the integrators that can follow light there.
+#define FOG                                                                                         \
+  "<shape type='sphere'><point name='center' value='0, .5, 1.5'/><float name='radius' value='.6'/>" \
+  "<bsdf type='null'/><medium name='interior' type='homogeneous'><float name='sigma_t' value='2'/>" \
+  "<float name='albedo' value='.6'/><spectrum name='emission' value='.2'/></medium></shape>"
+#define SKIN                                                                                      \
+  "<shape type='sphere'><point name='center' value='0, -1, 1'/><float name='radius' value='.5'/>" \
+  "<bssrdf type='dipole'><float name='sigma_t' value='9'/><float name='albedo' value='.9'/></bssrdf></shape>"
+
+INSTANTIATE_TEST_SUITE_P(Media, LockStep,
+                         ::testing::Values(FOG SKIN "<integrator type='path'/>",
+                                           FOG SKIN "<integrator type='ptracer'/>",
+                                           FOG "<integrator type='direct'/>",
+                                           FOG "<integrator type='bdpt'/>"));
 INSTANTIATE_TEST_SUITE_P(
     Depths, LockStep,
     ::testing::Values(R"(<integrator type="path"/>)",

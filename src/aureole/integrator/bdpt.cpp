@@ -68,10 +68,7 @@ public:
     const LightWalk* last_light = nullptr;
     if (settings_.limits.reaches(2) && settings_.techniques.need_light()) {
       light.emplace(in, settings_.techniques, splats);
-      follow_from(in, *light, [&](LightWalk& walk, BatchRays& rays) {
-        for (size_t i = 0; i < paths.size(); ++i)
-          if (walk.start(int(i))) rays.add(int(i), walk.ray(int(i)));
-      });
+      follow_from_start(in, *light);
       last_light = &*light;
     }
     if (!settings_.limits.reaches(1)) return;
@@ -81,17 +78,11 @@ public:
         follow_from(in, *light_from_edges, begin);
         last_light = &*light_from_edges;
       });
-    const auto put_light = [&](SensorWalk& walk) {
-      if (last_light)
-        for (size_t i = 0; i < paths.size(); ++i) walk.put_light(int(i), last_light->last_vertex(int(i)));
-    };
-    SensorWalk walk(in, settings_.techniques);
-    put_light(walk);
-    follow_from_sensor(in, walk);
+    SensorWalk walk(in, settings_.techniques, last_light);
+    follow_from_start(in, walk);
     follow_diffracted_paths(in, 3, settings_.techniques.have(1, 2), splats,
                             [&](const WalkInput& second, const auto& begin) {
-                              SensorWalk from_edges(second, settings_.techniques);
-                              put_light(from_edges);
+                              SensorWalk from_edges(second, settings_.techniques, last_light);
                               follow_from(second, from_edges, begin);
                             });
   }

@@ -21,7 +21,6 @@ struct DirectKind {
   static constexpr bool kEmerges = false, kScattersInMedia = false;
   using Density = PathDensity;
   using State = DirectState;
-  struct RareState {};
   using Vertices = PerPath<Vertex>;
 };
 
@@ -38,7 +37,10 @@ public:
         lights_(in.arena, in.paths.size()),
         lines_(in, *this) {}
 
-  void start(int i) { begin_at_sensor(i); }
+  bool start(int i) {
+    begin_at_sensor(i);
+    return true;
+  }
 
   // Next-event estimation: light samples and, between them, samples of media that emit.
   int connection_count(int) const { return light_samples_ * (media_ ? 2 : 1); }
@@ -91,6 +93,7 @@ public:
             : 0.f;
     path(i).result.estimate += sampled.met(radiance, other, wavelengths(i));
   }
+  using Walk::emission;
   SegmentEmission emission(int i) {
     const PathDensity& sampled = states_[i].sampled;
     return {sampled.r_u, sampled.r_l * counts_.light, sampled.has_light_ratio() ? media_ : nullptr,
@@ -103,18 +106,6 @@ public:
   // Hooks of the walk:
   int edge_samples() const { return std::max(light_samples_, 1); }
   bool has_indirect_light() const { return false; }
-  void emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
-    if (is_black(radiance)) return;
-    const State& s = states_[i];
-    const Spectrum estimate =
-        s.density.has_light_ratio()
-            ? s.density.met(radiance,
-                            light_density(scene_, s.from, light, point, s.segment.ray.d, wavelengths(i).time),
-                            wavelengths(i))
-            : s.density.contribution(radiance, wavelengths(i));
-    path(i).result.estimate += estimate;
-    if (log_.follows(i)) log_emission(i, point, estimate);
-  }
   /// Continues behind a surface with a null component, with the probability of crossing it; the path ends
   /// otherwise.
   bool scatter(int i) {
@@ -190,7 +181,7 @@ public:
     const Arena::Frame frame;
     const WalkInput in{scene, limits_, paths, log, frame.arena()};
     DirectWalk walk(in, light_samples_, bsdf_samples_);
-    follow_from_sensor(in, walk);
+    follow_from_start(in, walk);
     see_diffracted_light(in, splats);
   }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/integrator.h"
 
-#include <array>
 #include <optional>
 
 #include "aureole/plugin/registry.h"
@@ -57,7 +56,8 @@ void Integrator::estimate(const Scene& scene, std::span<Path> paths, std::vector
                           const BatchLog& log) const {
   if (!shows_emitters() || scene.lights().empty()) return trace(scene, paths, splats, log);
   const ReceiverRays rays = receiver_rays();
-  std::array<std::optional<Receiver>, kBatch> receivers;
+  const Arena::Frame frame;
+  const auto receivers = frame.arena().make<std::optional<Receiver>>(paths.size());
   for (size_t i = 0; i < paths.size(); ++i) {
     receivers[i] = scene.sensor().receiver(paths[i].film);
     if (receivers[i] && samples_all_lights(*receivers[i], rays)) paths[i].receiver = &*receivers[i];

@@ -35,8 +35,8 @@ public:
   static constexpr const char* kFamily = "an integrator";
   using Object::Object;
 
-  /// Follows the paths of a batch, at most kBatch, which are usually samples of one pixel. Sets the result
-  /// and the AOVs of each, and appends their splats. Results do not depend on the other paths of the batch,
+  /// Follows the paths of a batch, which are usually samples of one pixel: at most kBatch in `dvr`,
+  /// `radiance_field` and `splat`, any number in the others. Sets the result and the AOVs of each, and appends their splats. Results do not depend on the other paths of the batch,
   /// nor on `log`.
   virtual void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                      const BatchLog& log) const = 0;

@@ -44,7 +44,7 @@ private:
   template <class PathWalk>
   static void follow(const WalkInput& in) {
     PathWalk walk(in);
-    follow_from_sensor(in, walk);
+    follow_from_start(in, walk);
   }
 
   PathLimits limits_;

@@ -72,13 +72,8 @@ public:
     const WalkInput in{scene, limits_, paths, log, frame.arena()};
     see_directly(in);
     ParticleWalk<> walk(in, splats);
-    const bool goes_on = limits_.reaches(2);
-    if (!goes_on && !walk.counts_beams()) return;
-    follow_from(in, walk, [&](ParticleWalk<>&, BatchRays& rays) {
-      for (size_t i = 0; i < paths.size(); ++i)
-        if (walk.start(int(i)) && goes_on) rays.add(int(i), walk.ray(int(i)));
-    });
-    if (!goes_on) return;
+    if (!limits_.reaches(2) && !walk.counts_beams()) return;
+    follow_from_start(in, walk);
     follow_diffracted_paths(in, 1, true, splats, [&](const WalkInput& second, const auto& begin) {
       ParticleWalk<> from_edges(second, splats);
       follow_from(second, from_edges, begin);
@@ -90,6 +85,7 @@ private:
   void see_directly(const WalkInput& in) const {
     const Scene& scene = in.scene;
     const std::span<Path> paths = in.paths;
+    const Arena::Frame frame;
     SeenDirectly seen(in);
     DrivenLines<SeenDirectly> lines(in, seen);
     for (size_t i = 0; i < paths.size(); ++i) {

@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-/// Number of paths that a job hands to an integrator at once, which is the size of a packet of rays.
+/// Most paths that a job hands to an integrator at once, the size of a packet of rays.
 inline constexpr int kBatch = RayPacket::kSize;
 
 /// Storage for one T per path of a batch. Records are made in place when they are needed, since they are
@@ -67,32 +67,35 @@ public:
   }
   bool empty() const { return count_ == 0; }
 
-  /// Traces all rays and calls `use(path, hit)` for each in order. `use` may add rays, which the next call
-  /// traces.
+  /// Traces all rays and calls `use(path, hit)` for each in order. `use` may add a ray of the path, which the next
+  /// call traces.
   template <class Use>
   void intersect(const RayTracer& tracer, RayTracer::Rays kind, Use&& use) {
     RayTracer::Hit hits[RayPacket::kSize];
-    // `use` adds at most one ray for each hit, so that it overwrites only entries that have been read.
-    const int all = std::exchange(count_, 0);
-    for (int first = 0; first < all; first += RayPacket::kSize) {
-      const int n = std::min(all - first, RayPacket::kSize);
-      tracer.intersect(packets_[first / RayPacket::kSize], n, kind, hits);
-      for (int i = 0; i < n; ++i) use(paths_[first + i], hits[i]);
-    }
+    for_packets([&](const RayPacket& rays, int n) { tracer.intersect(rays, n, kind, hits); },
+                [&](int path, int lane) { use(path, hits[lane]); });
   }
   /// Tests all rays as segments and calls `use(path, open)` for each in order.
   template <class Use>
   void test_visibility(const RayTracer& tracer, Use&& use) {
     bool blocked[RayPacket::kSize];
-    const int all = std::exchange(count_, 0);
-    for (int first = 0; first < all; first += RayPacket::kSize) {
-      const int n = std::min(all - first, RayPacket::kSize);
-      tracer.occluded(packets_[first / RayPacket::kSize], n, blocked);
-      for (int i = 0; i < n; ++i) use(paths_[first + i], !blocked[i]);
-    }
+    for_packets([&](const RayPacket& rays, int n) { tracer.occluded(rays, n, blocked); },
+                [&](int path, int lane) { use(path, !blocked[lane]); });
   }
 
 private:
+  /// Takes all rays: trace(packet, count), then use(path, lane) for each ray of the packet. `use` adds at most one
+  /// ray for each that it gets, so that it overwrites only rays that were traced.
+  template <class Trace, class Use>
+  [[gnu::always_inline]] inline void for_packets(const Trace& trace, const Use& use) {
+    const int all = std::exchange(count_, 0);
+    for (int first = 0; first < all; first += RayPacket::kSize) {
+      const int n = std::min(all - first, RayPacket::kSize);
+      trace(packets_[first / RayPacket::kSize], n);
+      for (int i = 0; i < n; ++i) use(paths_[first + i], i);
+    }
+  }
+
   int* paths_;
   RayPacket* packets_;
   int count_ = 0;

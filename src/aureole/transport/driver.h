@@ -6,14 +6,14 @@
 // Steps are functions of a class, `Walk` or another one, of which `path` is an index into the batch:
 //     const Ray& ray(int path);             the ray that the path goes on along
 //     Event locate(int path, const RayTracer::Hit& hit);
-//                                           what the ray has hit: `surface` and `medium` are vertices, `crossed`
-//                                           is none; else the path has ended
+//                                           where the ray leads to: `medium`, a vertex there; `surface`, on which
+//                                           `emit` decides; `crossed`, the path goes on; else it has ended
 //     void lose(int path);                  the ray has left the range of float: the path ends, and its sample
 //                                           must become invalid
-// and, for steps that have them,
-//     Event emit(int path);                 emission of the surface that `locate` has found; returns what
-//                                           `locate` returns
-//     void choose(int path, int k);         chooses the other end of the k-th connection of the vertex
+// and, for steps whose paths have vertices, all of
+//     Event emit(int path);                 emission of the surface that `locate` has found; `surface` where the path
+//                                           has a vertex there
+//     bool scatter(int path);               false: the path ends here, or continues below the surface
 //     int connection_count(int path);       upper bound of the number of connections of the vertex
 //     bool connect(int path, int k, Connection& out);
 //                                           makes the k-th connection; false where there is none
@@ -23,14 +23,17 @@
 //     const Wavelengths& wavelengths(int path);
 //     std::uint32_t connection_key(int path);
 //                                           for random numbers of the vertex's connections
-//     void connected_all(const PathList& vertices);
 //     void connect_edges(const PathList& vertices);
+//                                           light around edges, for all vertices
+// and, where they have them,
+//     void connected_all(const PathList& vertices);
 //                                           further next-event estimation, once for all vertices
 //     BatchConnections<Connection>* along_rays();
 //                                           connections that `locate` has made, from positions along the rays; null:
 //                                           the steps make none
 //     void finish_lines();                  follows lines of sight that `locate` has begun
-//     bool scatter(int path);               false: the path ends here, or continues below the surface
+//     void choose(int path, int k);         chooses the other end of the k-th connection of the vertex, for `connect`
+//     int crossings_left(int path, int k);  number of surfaces that it may cross
 //     void emerge(PathList& vertices);      adds the paths that continued below a surface, at a vertex again
 #pragma once
 
@@ -51,18 +54,15 @@ struct BatchConnections {
   Connection* of_path;
 };
 
-/// Connections of steps without a type `Connection`.
-struct NoConnections {
-  NoConnections(Arena&, std::size_t) {}
-};
+/// The connections of steps, if they have any.
 template <class Steps>
 struct ConnectionsOf {
-  using Type = NoConnections;
+  ConnectionsOf(Arena&, std::size_t) {}
 };
 template <class Steps>
 requires requires { typename Steps::Connection; }
-struct ConnectionsOf<Steps> {
-  using Type = BatchConnections<typename Steps::Connection>;
+struct ConnectionsOf<Steps> : BatchConnections<typename Steps::Connection> {
+  using BatchConnections<typename Steps::Connection>::BatchConnections;
 };
 
 template <class Steps>
@@ -83,7 +83,7 @@ public:
   BatchRays& rays() { return rays_; }
 
   /// Follows the paths of `rays` to their ends; `kind` is that of their first rays. Steps without `scatter` have
-  /// no vertices, those without `emerge` no exits.
+  /// no vertices, those without `emerge` no exits. Not inlined, so that each walk has this code once.
   [[gnu::noinline]] void follow(RayTracer::Rays kind) {
     for (; !rays_.empty(); kind = RayTracer::Rays::incoherent) {
       arrive(kind);
@@ -116,16 +116,16 @@ private:
       if (hit.is_lost()) return steps_.lose(path);
       sort(path, steps_.locate(path, hit), surfaces_);
     });
-    if constexpr (requires { steps_.emit(0); })
+    if constexpr (requires { steps_.scatter(0); })
       for (const int path : surfaces_) sort(path, steps_.emit(path), vertices_);
   }
 
   /// Tests all connections of the vertices.
   void connect() {
     connect_each(vertices_, 0);
-    if constexpr (requires { steps_.connection_count(0); }) connect_further();
+    connect_further();
     if constexpr (requires { steps_.connected_all(vertices_); }) steps_.connected_all(vertices_);
-    if constexpr (requires { steps_.connect_edges(vertices_); }) steps_.connect_edges(vertices_);
+    steps_.connect_edges(vertices_);
   }
   /// Tests the connections of vertices after the first connection of each.
   [[gnu::noinline]] void connect_further() {
@@ -145,8 +145,7 @@ private:
     for (const int path : paths) {
       auto& c = connections_.of_path[path];
       if (!steps_.connect(path, k, c)) continue;
-      if constexpr (requires { steps_.crossings_left(path, k); })
-        c.crossings_left = steps_.crossings_left(path, k);
+      c.crossings_left = steps_.crossings_left(path, k);
       c.goes_behind = scene_.outline_edges() != nullptr;
       c.ray.time = steps_.wavelengths(path).time;
       connections_.rays.add(path, c.ray);
@@ -158,8 +157,8 @@ private:
     });
   }
   /// Tests connections that may cross surfaces or media.
-  template <class Connections>
-  [[gnu::noinline]] void march(Connections& connections, int k) {
+  template <class Connection>
+  [[gnu::noinline]] void march(BatchConnections<Connection>& connections, int k) {
     BatchRays& rays = connections.rays;
     while (!rays.empty())
       rays.intersect(scene_.tracer(), RayTracer::Rays::incoherent, [&](int path, const RayTracer::Hit& hit) {
@@ -201,7 +200,7 @@ private:
   Steps& steps_;
   BatchRays rays_;
   PathList surfaces_, vertices_;
-  typename ConnectionsOf<Steps>::Type connections_;
+  ConnectionsOf<Steps> connections_;
 };
 
 }  // namespace aureole

@@ -117,14 +117,14 @@ bool connect_to_emission(const Scene& scene, const BasicVertex<Space::any, L>& v
   return true;
 }
 
-/// The pdf with which `connect_to_light` would have chosen `point` of a part of the light or, that being
+/// The pdf with which `sample_light` would have chosen `point` of a part of the light or, that being
 /// null, infinity along `d`, on a path of that time [s].
 inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
                            std::size_t part, const SurfacePoint* point, const Vec3& d, float time) {
   return scene.lights().probability(from.p, from.facing, light, part, time) *
          (point ? light.pdf_direct(from.p, part, *point) : light.pdf_direct_escaped(from.p, from.facing, d));
 }
-/// The pdf with which `connect_to_light` would have chosen a point that a ray has hit, or infinity.
+/// The pdf with which `sample_light` would have chosen a point that a ray has hit, or infinity.
 inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
                            const SurfacePoint* point, const Vec3& d, float time) {
   return light_density(scene, from, light, point ? light.part_of(*point) : 0, point, d, time);

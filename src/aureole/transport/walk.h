@@ -16,13 +16,13 @@
 //   L                    light and maps of light: Unpolarised (spectrum/weight.h)
 //   Space kSpace         the scenes that it is compiled for
 //   Density              throughput and pdfs: PathDensity, LightPathDensity, or TwoWayDensity of `bdpt`
-//   State                further state of a path that every step uses
-//   RareState            further state that few scenes use, kept apart
+//   State                further state of a path
 //   Vertices             storage of the vertices of a batch, PerPath<Vertex> or one that keeps earlier vertices
 //   bool kEmerges        whether paths continue below surfaces with a BSSRDF
 //   bool kScattersInMedia   distance sampling in media; else paths pass media by their transmittance
 // `Self` may replace these functions (hooks); the ones here do nothing or what most integrators do:
 //   samples(i)                       the random numbers of the path
+//   start(i)                         begins the path; false where it has none
 //   emission(i, light, point, L)     the path has hit a light, or has left the scene towards a light at infinity
 //                                    (point null)
 //   emission_in_media(i)             receives the emission of media along the ray, or null
@@ -72,7 +72,6 @@ public:
   using Connection = BasicConnection<L>;
   using Density = typename Kind::Density;
   struct State : WalkState<Kind::kSpace, Density>, Kind::State {};
-  struct RareState : RareWalkState<Kind::kSpace>, Kind::RareState {};
 
   explicit Walk(const WalkInput& in)
       : scene_(in.scene),
@@ -80,9 +79,9 @@ public:
         paths_(in.paths),
         log_(in.log),
         states_(in.arena.make<State>(in.paths.size()).data()),
-        rare_states_(in.arena.make<RareState>(in.paths.size()).data()),
+        diffraction_(in.arena.make<DiffractionState>(kAny ? in.paths.size() : 0).data()),
         vertices_(in.arena, in.paths.size()),
-        below_(in.arena, Kind::kEmerges && in.scene.has_exits() ? in.paths.size() : 0),
+        below_(in.arena, in.paths.size()),
         edges_(in.scene) {
     if (kAny && in.scene.has_contacts()) contacts_ = in.arena.make<Contact>(in.paths.size());
   }
@@ -121,7 +120,7 @@ public:
   Path& path(int i) { return paths_[size_t(i)]; }
   const BatchLog& log() const { return log_; }
   State& state(int i) { return states_[i]; }
-  DiffractionState& diffraction(int i) requires kAny { return rare_states_[i].diffraction; }
+  DiffractionState& diffraction(int i) requires kAny { return diffraction_[i]; }
   Vertex& vertex(int i) { return vertices_[i]; }
   /// Throughput and pdfs at the present vertex.
   const Density& vertex_density(int i) const { return states_[i].density; }
@@ -162,6 +161,20 @@ public:
 
   // Hooks, which are described at the top of this file:
   SampleStream& samples(int i) { return paths_[size_t(i)].samples; }
+  /// Adds emission weighted against light sampling at the vertex that the ray has left.
+  void emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
+    const State& s = states_[i];
+    if (is_black(radiance)) return;
+    if constexpr (kAny)
+      if (s.emission_counted) return;
+    const Wavelengths& w = wavelengths(i);
+    const Spectrum estimate =
+        s.density.has_light_ratio()
+            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.segment.ray.d, w.time), w)
+            : s.density.contribution(radiance, w);
+    path(i).result.estimate += estimate;
+    if (log_.follows(i)) log_emission(i, point, estimate);
+  }
   Spectrum* emission_in_media(int) { return nullptr; }
   EmissionSampling emission_sampling(int) { return {}; }
   void before_distance(int, const RayTracer::Hit&) {}
@@ -219,10 +232,11 @@ protected:
       find_interiors(scene_, nullptr, s.segment);
     }
   }
-  /// Samples a light for the present vertex of a path from the sensor.
+  /// Samples a light for the present vertex of a path from the sensor, where it can be connected.
   [[gnu::always_inline]] LightSample sample_light(int i) {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
+    if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return {};
     if constexpr (kAny)
       if (!vertex.is_surface() && !scene_.lights_reach(*s.segment.medium)) return {};
     return aureole::sample_light(
@@ -243,8 +257,8 @@ protected:
   const PathLimits& limits_;
   const std::span<Path> paths_;
   const BatchLog& log_;
-  State* const states_;           ///< of each path
-  RareState* const rare_states_;  ///< of each path
+  State* const states_;                  ///< of each path
+  DiffractionState* const diffraction_;  ///< of each path, apart from what every step uses
   typename Kind::Vertices vertices_;
 
 private:
@@ -314,7 +328,9 @@ Event Walk<Self, Kind>::locate(int i, const RayTracer::Hit& hit) {
   return Event::surface;
 }
 
-/// Adds the emission of the surface that the path has hit; `surface` where the path has a vertex there.
+/// Adds the emission of the surface that the path has hit; `surface` where the path has a vertex there, with its
+/// random numbers. Else the limits end the path, or it goes on behind: an obstacle near edges that diffract, or a
+/// light that is hidden.
 template <class Self, class Kind>
 [[gnu::always_inline]] inline Event Walk<Self, Kind>::emit(int i) {
   State& s = states_[i];
@@ -480,7 +496,7 @@ template <class Self, class Kind>
   self().scattered(i, b);
   if (!kFromSensor && s.last && event != Event::entered) return false;
   if (event == Event::entered) {
-    below_.add(i);
+    if constexpr (Kind::kEmerges) below_.add(i);
     return false;
   }
   s.from.p = vertex.p();
@@ -558,22 +574,20 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
   return Emitted{*choice, *emitted, pdf};
 }
 
-/// Follows a walk whose paths begin with the rays of the sensor.
-template <class W>
-void follow_from_sensor(const WalkInput& in, W& walk) {
-  Driver driver(in.scene, walk, in.arena, in.paths.size());
-  for (std::size_t i = 0; i < in.paths.size(); ++i) {
-    walk.start(int(i));
-    driver.rays().add(int(i), in.paths[i].ray);
-  }
-  driver.follow(RayTracer::Rays::coherent);
-}
-/// Follows a walk whose paths `begin` has begun: begin(walk, rays) adds their rays.
+/// Calls begin(walk, rays), which begins paths and adds their rays, and follows them.
 template <class W, class Begin>
 void follow_from(const WalkInput& in, W& walk, const Begin& begin) {
   Driver driver(in.scene, walk, in.arena, in.paths.size());
   begin(walk, driver.rays());
   driver.follow(RayTracer::Rays::incoherent);
+}
+/// Begins all paths of the walk at the sensor or the lights, and follows them.
+template <class W>
+void follow_from_start(const WalkInput& in, W& walk) {
+  Driver driver(in.scene, walk, in.arena, in.paths.size());
+  for (int i = 0; i < int(in.paths.size()); ++i)
+    if (walk.start(i)) driver.rays().add(i, walk.ray(i));
+  driver.follow(W::kFromSensor ? RayTracer::Rays::coherent : RayTracer::Rays::incoherent);
 }
 
 }  // namespace aureole

@@ -34,13 +34,6 @@ struct WalkStateInSpace {
 };
 struct WalkStateInEmptySpace {};
 
-/// State of a path that few scenes use.
-struct RareStateInSpace {
-  DiffractionState diffraction;
-};
-template <Space kSpace>
-using RareWalkState = std::conditional_t<kSpace == Space::any, RareStateInSpace, WalkStateInEmptySpace>;
-
 template <Space kSpace, class Density>
 struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, WalkStateInEmptySpace> {
   Segment segment;  ///< segment of the present ray

@@ -23,7 +23,6 @@ struct LightKind {
   static constexpr bool kEmerges = false;  // `BidirectionalPathTracer::require_scene` refuses such scenes
   using Density = LightSubpathDensity<L>;
   using State = LightState<L>;
-  struct RareState {};
   using Vertices = LightVertices<L>;
 };
 

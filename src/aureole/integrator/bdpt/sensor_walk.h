@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "aureole/core/random.h"
-#include "aureole/integrator/bdpt/techniques.h"
+#include "aureole/integrator/bdpt/light_walk.h"
 
 namespace aureole::bdpt {
 
@@ -25,7 +25,6 @@ struct SensorKind {
   static constexpr bool kEmerges = false;  // `BidirectionalPathTracer::require_scene` refuses such scenes
   using Density = SensorSubpathDensity<L>;
   using State = SensorState<L>;
-  struct RareState {};
   using Vertices = PerPath<BasicVertex<Space::any, L>>;
 };
 
@@ -39,16 +38,18 @@ public:
   using Base::path, Base::wavelengths;
   using typename Base::Connection;
 
-  SensorWalk(const WalkInput& in, const Techniques& techniques)
-      : Base(in), techniques_(techniques), lights_(in.arena, in.paths.size()) {}
+  /// `light`: light paths to whose vertices each path is connected, or null.
+  SensorWalk(const WalkInput& in, const Techniques& techniques, const LightWalk<L>* light)
+      : Base(in), techniques_(techniques), lights_(in.arena, in.paths.size()) {
+    for (size_t i = 0; light && i < in.paths.size(); ++i) states_[i].light = light->last_vertex(int(i));
+  }
 
   /// Begins a path with the ray of the sensor.
-  void start(int i) {
+  bool start(int i) {
     this->begin_at_sensor(i);
     states_[i].density.r_l = 1.f;  // `at_vertex` sets the pdf of the first vertex from the sensor
+    return true;
   }
-  /// Gives the path the vertices of a light path to connect with: the last vertex, or null.
-  void put_light(int i, const LightVertex<L>* last) { states_[i].light = last; }
   const LightVertex<L>* last_light_vertex(int i) const { return states_[i].light; }
 
   // Connections: k = 0 a light, k = 1, 2, ... the vertices of the light path, from its last one on.
@@ -59,8 +60,7 @@ public:
   void choose(int i, int k) {
     if (k > 0) return;
     lights_.make(i, [&]() -> LightSample {
-      const State& s = states_[i];
-      if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.depth + 2)) return {};
+      if (!techniques_.have(1, states_[i].depth + 2)) return {};
       return this->sample_light(i);
     });
   }

@@ -22,8 +22,6 @@ struct PathInSpace {
   BasicPathDensity<L, PathStart::sensor> line_start;
   std::optional<Equiangular> positions;  ///< equiangular sampling along the present ray
 };
-struct PathInEmptySpace {};
-
 template <Space kPathSpace, class Light = Unpolarised>
 struct PathKind {
   using L = Light;
@@ -31,20 +29,18 @@ struct PathKind {
   static constexpr bool kEmerges = true, kScattersInMedia = true;
   using Density = BasicPathDensity<L, PathStart::sensor>;
   struct State {};
-  using RareState = std::conditional_t<kSpace == Space::any, PathInSpace<L>, PathInEmptySpace>;
   using Vertices = PerPath<BasicVertex<kSpace, L>>;
 };
 
 template <Space kSpace, class L = Unpolarised>
 class PathWalk : public Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>> {
   using Base = Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>>;
-  using Base::has_media, Base::limits_, Base::log_, Base::rare_states_, Base::scene_, Base::states_,
-      Base::vertices_;
+  using Base::has_media, Base::limits_, Base::log_, Base::scene_, Base::states_, Base::vertices_;
   using typename Base::State, typename Base::Scatter, typename Base::Vertex;
   static constexpr bool kAny = kSpace == Space::any;
 
 public:
-  using Base::path;
+  using Base::path, Base::emission;
   using typename Base::Connection;
 
   explicit PathWalk(const WalkInput& in)
@@ -53,26 +49,25 @@ public:
         // Equiangular sampling is off in scenes with edges that diffract, since its MIS weights do not
         // include the choice of an edge.
         samples_equiangular_(kAny && !in.scene.diffraction() && in.scene.lights().tree().can_be_connected()),
+        in_space_(in.arena.make<PathInSpace<L>>(kAny ? in.paths.size() : 0).data()),
         lights_(in.arena, in.paths.size()) {
     if (!has_media()) return;
     lines_.emplace(in, *this);
-    along_rays_.emplace(in.arena, in.paths.size());
+    if (samples_equiangular_) along_rays_.emplace(in.arena, in.paths.size());
   }
 
-  void start(int i) {
+  bool start(int i) {
     this->begin_at_sensor(i);
     // Light sampling at a receiver finds no emission of media.
-    if constexpr (kAny) rare_states_[i].emission_share = path(i).receiver ? 0.f : 1.f;
+    if constexpr (kAny) in_space_[i].emission_share = path(i).receiver ? 0.f : 1.f;
+    return true;
   }
 
   // Next-event estimation: k = 0 a light, k = 1 a medium that emits.
   int connection_count(int) const { return media_ ? 2 : 1; }
   void choose(int i, int k) {
     if (kAny && k == 1) return;
-    lights_.make(i, [&]() -> LightSample {
-      if (states_[i].last || !vertices_[i].is_smooth() || scene_.lights().empty()) return {};
-      return this->sample_light(i);
-    });
+    lights_.make(i, [&] { return this->sample_light(i); });
   }
   [[gnu::always_inline]] bool connect(int i, int k, Connection& out) {
     if constexpr (kAny)
@@ -81,7 +76,7 @@ public:
     const Vertex& vertex = vertices_[i];
     const Spectrum* r_equiangular = nullptr;
     if constexpr (kAny)
-      if (!vertex.is_surface()) r_equiangular = &rare_states_[i].r_equiangular;
+      if (!vertex.is_surface()) r_equiangular = &in_space_[i].r_equiangular;
     Path& p = path(i);
     if (!connect_to_light(scene_, vertex, lights_[i], s.segment, s.density, p.wavelengths, {},
                           has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out, r_equiangular))
@@ -95,33 +90,16 @@ public:
   }
 
   // Hooks of the walk:
-  void emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
-    const State& s = states_[i];
-    if (is_black(radiance)) return;
-    if constexpr (kAny)
-      if (s.emission_counted) return;
-    Path& p = path(i);
-    const Spectrum estimate =
-        s.density.has_light_ratio()
-            ? s.density.met(radiance,
-                            light_density(scene_, s.from, light, point, s.segment.ray.d, p.wavelengths.time),
-                            p.wavelengths)
-            : s.density.contribution(radiance, p.wavelengths);
-    p.result.estimate += estimate;
-    if (log_.follows(i)) this->log_emission(i, point, estimate);
-  }
   Spectrum* emission_in_media(int i) {
     return states_[i].emission_counted ? nullptr : &path(i).result.estimate;
   }
-  EmissionSampling emission_sampling(int i) {
-    return {media_, states_[i].from, rare_states_[i].emission_share};
-  }
+  EmissionSampling emission_sampling(int i) { return {media_, states_[i].from, in_space_[i].emission_share}; }
   void before_distance(int i, const RayTracer::Hit& hit) {
     begin_line(i, hit);
-    rare_states_[i].positions = connect_segment(i, hit ? hit.t : kInfinity);
+    in_space_[i].positions = connect_segment(i, hit ? hit.t : kInfinity);
   }
   void after_distance(int i, const Vec3& p, const Spectrum& chosen) {
-    PathInSpace<L>& rare = rare_states_[i];
+    PathInSpace<L>& rare = in_space_[i];
     const Segment& segment = states_[i].segment;
     rare.r_equiangular = rare.positions
                              ? chosen * rare.positions->pdf(dot(p - segment.from_surface().o, segment.ray.d))
@@ -129,7 +107,7 @@ public:
   }
   void scattered(int i, const Scatter& b) {
     if constexpr (kAny) {
-      PathInSpace<L>& rare = rare_states_[i];
+      PathInSpace<L>& rare = in_space_[i];
       rare.emission_share = 1.f;
       if (vertices_[i].is_surface()) return;
       Spectrum& r_l = states_[i].density.r_l;
@@ -138,9 +116,7 @@ public:
       if (media_) rare.emission_share = safe_divide(walked, r_l);
     }
   }
-  bool may_cut_ray(int i) const {
-    return !const_cast<PathWalk*>(this)->vertices_[i].is_surface() && !may_sample_equiangular(states_[i]);
-  }
+  bool may_cut_ray(int i) const { return !vertices_[i].is_surface() && !may_sample_equiangular(states_[i]); }
 
   // Functions that the driver calls:
   BatchConnections<Connection>* along_rays() requires kAny { return along_rays_ ? &*along_rays_ : nullptr; }
@@ -149,17 +125,17 @@ public:
   }
 
   // Functions that lines of sight call:
-  SegmentEmission emission(int i) const { return {.r_u = rare_states_[i].line_start.r_u}; }
+  SegmentEmission emission(int i) const { return {.r_u = in_space_[i].line_start.r_u}; }
   void see(int i, const Spectrum& light) { add_seen(i, nullptr, {}, light); }
   void see(int i, const Light&, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
-    if (!is_black(radiance)) add_seen(i, point, d, radiance * (1 / sum(rare_states_[i].line_start.r_u)));
+    if (!is_black(radiance)) add_seen(i, point, d, radiance * (1 / sum(in_space_[i].line_start.r_u)));
   }
 
 private:
   /// Adds emission along a line of sight: of a light at `point` or along `d`, or of media.
   void add_seen(int i, const SurfacePoint* point, const Vec3& d, const Spectrum& light) {
     Path& p = path(i);
-    const Spectrum estimate = rare_states_[i].line_start.seen(light) / p.wavelengths.pdf;
+    const Spectrum estimate = in_space_[i].line_start.seen(light) / p.wavelengths.pdf;
     p.result.estimate += estimate;
     if (log_.follows(i))
       log_({.kind = PathEvent::Kind::other,
@@ -191,7 +167,7 @@ private:
     if (s.emission_counted || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
     if (!scene_.may_meet_shining_shape(s.segment.ray)) return;
     s.emission_counted = true;
-    rare_states_[i].line_start = s.density;
+    in_space_[i].line_start = s.density;
     LinesOfSight<PathWalk>& steps = lines_->steps;
     steps.begin(i, s.segment, key(path(i).samples, s.vertex, Stream::line_of_sight));
     if (steps.locate(i, hit) == Event::crossed) lines_->driver.rays().add(i, steps.ray(i));
@@ -231,6 +207,7 @@ private:
 
   const EmittingMedia* media_;      ///< media whose emission next-event estimation samples, or null
   const bool samples_equiangular_;  ///< whether equiangular sampling is used in media
+  PathInSpace<L>* const in_space_;  ///< of each path
   PerPath<LightSample> lights_;     ///< the light that the present connection leads to
   std::optional<BatchConnections<Connection>>
       along_rays_;                              ///< of positions along the rays, in scenes with media

@@ -16,7 +16,6 @@ struct ParticleKind {
   static constexpr bool kEmerges = true, kScattersInMedia = true;
   using Density = BasicPathDensity<L, PathStart::emitter>;
   struct State {};
-  struct RareState {};
   using Vertices = PerPath<BasicVertex<Space::any, L>>;
 };
 
@@ -41,13 +40,13 @@ public:
   /// Whether paths of one segment, straight from a light to the sensor, count.
   bool counts_beams() const { return counts_beams_; }
 
-  /// Begins a path at a light, or in a medium that emits; false where it carries no light.
+  /// Begins a path at a light, or in a medium that emits; false where it carries no light, or has no vertex.
   bool start(int i) {
     Path& p = path(i);
     Vec2 u = p.samples.get2(SampleStream::choice(0, int(Choice::light)));
     const EmittingMedia* media = scene_.emitting_media();
     const float share = media ? float(media->power() / (media->power() + scene_.lights().power())) : 0.f;
-    if (media && u.x < share) return start_in_medium(i, *media, u.x / share, share);
+    if (media && u.x < share) return start_in_medium(i, *media, u.x / share, share) && limits_.reaches(2);
     if (share > 0) u.x = std::min((u.x - share) / (1 - share), 0x1.fffffep-1f);
     const auto emitted = this->begin_at_light(i, u, 1 - share);
     if (!emitted) return false;
@@ -55,7 +54,7 @@ public:
     // the receivers.
     if (counts_beams_ && emitted->ray.delta_direction && !emitted->choice.light->is_infinite())
       cross_receivers(i, RayOrigin::of(emitted->ray), emitted->ray.d, [&] { return states_[i].segment; });
-    return true;
+    return limits_.reaches(2);
   }
 
   bool connect(int i, int, Connection& out) {
