@@ -147,8 +147,9 @@ int spectrophotometer(SpectrophotometerOptions o) {
     }
     if (o.haze > 0) {
       const Haze h = measure_haze(bench, loaded.specimen, s, o.haze, weights);
-      fmt::print("total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}\n", h.total,
-                 h.total_error, o.haze, h.haze, h.haze_error);
+      fmt::print(
+          "total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}, sphere {}\n",
+          h.total, h.total_error, o.haze, h.haze, h.haze_error, s.by_theory ? "by theory" : "traced");
       out["haze"] = {
           {"angle", o.haze}, {"total_transmittance", h.total}, {"haze", h.haze}, {"error", h.haze_error}};
     }

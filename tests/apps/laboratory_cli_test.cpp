@@ -261,6 +261,11 @@ TEST_F(LaboratoryCli, WrongInputIsToldWithItsPlace) {
   EXPECT_FALSE(std::filesystem::exists(folder.path / "x.doc"));
   fails({"goniometer", "m.xml#grey", "--incident", "95"}, "an angle of incidence of 95 degrees");
   fails({"goniometer", "m.xml#grey", "--models", "gxg"}, "did you mean");
+  // Lists name their empty entries; the command line's library leaves them out.
+  fails({"spectrophotometer", "m.xml#grey", "--gloss", "20,,60"}, "--gloss: entry 2 of \"20,,60\" is empty");
+  fails({"spectrophotometer", "m.xml#grey", "--gloss=20,60,"}, "--gloss: entry 3 of \"20,60,\" is empty");
+  fails({"goniometer", "m.xml#grey", "--incident", ",30"}, "--incident: entry 1 of \",30\" is empty");
+  fails({"pigment", "colour", "x.csv", "--others", "A,,F11"}, "--others: entry 2 of \"A,,F11\" is empty");
   fails({"color", "no_colour"}, "is no colour");
   write("bad.csv", "theta_i,theta_o,550nm\n0,ten,1\n");
   fails({"goniometer", "bad.csv"}, "bad.csv:2:");

@@ -114,7 +114,8 @@ ReadingPair read_pair(const Bench& bench, const Specimen& specimen, const Spectr
       (s.method == Method::comparison || by_wall) && g.has_sphere() && !g.transmits && !is_diffuse;
   // The open port is measured with the specular port closed, which would take all of its light. The sphere is brighter then.
   SpectrophotometerSettings of_standard = s;
-  if (g.transmits && (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
+  if (g.transmits && (by_theory || !scenes.has_reference_beam()) &&
+      (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
     of_standard.geometry = measuring_geometry(g.light < End::sphere ? "0:di" : "di:0", true);
     const SpectrophotometerScenes closed(bench, of_standard);
     if (!by_theory) scale *= closed.sphere().throughput(0) / scenes.sphere().throughput(0);
@@ -150,6 +151,10 @@ ReadingPair read_pair(const Bench& bench, const Specimen& specimen, const Spectr
   if (beside)
     return {read(bench, scenes.instrument(specimen, &standard, Reads::sample)),
             read(bench, scenes.instrument(specimen, &standard, Reads::standard_beside)), scales};
+  if (scenes.has_reference_beam())
+    return {read(bench, scenes.instrument(specimen, nullptr, Reads::sample)),
+            read(bench, scenes.instrument(specimen, nullptr, Reads::reference_beam)),
+            std::vector<double>(n, scenes.reference_flux())};
   if (s.method == Method::comparison && g.has_sphere())
     notes.push_back(fmt::format("{} has one port: sample and {} take turns (substitution)", g.name,
                                 g.transmits ? "open port" : "standard"));
@@ -306,6 +311,7 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
 }
 
 std::vector<double> luminance_weights(const std::vector<double>& nm) {
+  if (nm.size() == 1) return {1};
   std::vector<double> weights;
   double sum = 0;
   const pigment::Observation observer = observe("C", nm);
@@ -320,8 +326,7 @@ Haze measure_haze(const Bench& bench, const Specimen& specimen, Spectrophotomete
     throw Error(fmt::format("haze beyond {:g} degrees: more than 0 and at most 10 is expected", angle));
   // A beam that is nearly parallel and narrow, as ASTM D1003 asks, unless another one is stated: the usual one is as wide as the port.
   const SpectrophotometerSettings usual{};
-  // A traced path would meet so small a lamp behind clear glass by chance alone: the sphere is then that of the theory.
-  if (s.lamp_angle == usual.lamp_angle) s.lamp_angle = 0.1, s.by_theory = true;
+  if (s.lamp_angle == usual.lamp_angle) s.lamp_angle = 0.1;
   if (s.viewed_m == usual.viewed_m && s.lit_m == usual.lit_m) s.viewed_m = s.lit_m = 2e-3;
   if (s.distance_m == usual.distance_m) s.distance_m = 1;
   s.specular_angle = angle;
