@@ -162,6 +162,42 @@ TEST(Measured, SmallAndLargeNumbersKeepTheirPrecision) {
   }
 }
 
+TEST(Measured, NegativeValuesAreInterpolatedBeforeTheyCountAsZero) {
+  // Real files have negative values. Nodes of 1 and -0.5 alternate along u: between them a value is positive up to two thirds of
+  // the way, as in RGL's own program; nodes of 1 and 0 would give more.
+  RglNotes notes;
+  for (const char* name : {"isotropic_rgb.bsdf", "isotropic_spectral.bsdf"})
+    for (const std::size_t parts : {1u, 20u}) {
+      RglFile file = read_rgl_file(measured_data(name), notes);
+      if (parts > 1 && file.nm.empty()) continue;
+      if (parts > 1) file = with_more_wavelengths(file, parts);
+      file.is_relative = false;
+      RglFile shifted = file;
+      const std::size_t width = file.luminance.width;
+      for (std::size_t i = 0; i < file.spectra.size(); ++i) {
+        file.spectra[i] = (i % width) % 2 == 0 ? 1.f : -0.5f;
+        shifted.spectra[i] = file.spectra[i] + 0.5f;  // never negative
+      }
+      const SpectralGrid grid = SpectralGrid::over(360, 830);
+      const RglTable table(file, grid), above(shifted, grid);
+      const Wavelengths w = Wavelengths::at(grid, make_spectrum([](int i) { return 400 + 40 * float(i); }));
+      int zeros = 0, others = 0;
+      for (std::uint64_t k = 0; k < 200; ++k) {
+        const auto u = [&](std::uint64_t n) { return unit_float(std::uint32_t(mix_bits(4 * k + n))); };
+        const Vec3 wi = square_to_cosine_hemisphere({u(0), u(1)}),
+                   wo = square_to_cosine_hemisphere({u(2), u(3)});
+        const Spectrum a = table.value(wi, wo, w), b = above.value(wi, wo, w);
+        for (int i = 0; i < kWavelengths; ++i) {
+          // Three primaries add up to one but for 1e-3.
+          EXPECT_NEAR(a[i], std::max(b[i] - 0.5f, 0.f), 2e-3) << name;
+          ++(a[i] > 0 ? others : zeros);
+        }
+      }
+      EXPECT_GT(zeros, 100);
+      EXPECT_GT(others, 100);
+    }
+}
+
 TEST(Measured, WarpsAreInvertedAndIntegrateToOne) {
   std::vector<float> values(2 * 5 * 4);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = float((i * 7) % 11) / 11;

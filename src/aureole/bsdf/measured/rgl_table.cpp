@@ -21,6 +21,12 @@ namespace {
 /// Tables of up to this number of channels are interpolated in registers.
 constexpr std::size_t kFew = 32;
 
+float largest_magnitude(const std::vector<float>& values) {
+  float largest = 0;
+  for (const float v : values) largest = std::max(largest, std::abs(v));
+  return largest;
+}
+
 Spectrum load(const float* values) {
   Spectrum s;
   std::memcpy(s.data(), values, sizeof(float) * std::size_t(kWavelengths));
@@ -68,9 +74,7 @@ RglTable::RglTable(const RglFile& file, const SpectralGrid& grid)
   // Slices whose distance is no multiple of the size of a page do not compete for the same lines of the caches.
   slice_rows_ = area + 3;
   if (stride_ > kFew) {
-    const float maximum =
-        file.spectra.empty() ? 0.f : *std::max_element(file.spectra.begin(), file.spectra.end());
-    rows_ = SpectralRows(grid, wavelengths_, nodes_.count() * slice_rows_, maximum);
+    rows_ = SpectralRows(grid, wavelengths_, nodes_.count() * slice_rows_, largest_magnitude(file.spectra));
   } else {
     // Vectors of wavelengths may reach beyond the last node.
     spectra_.resize(nodes_.count() * area * stride_ + std::size_t(kWavelengths));
@@ -155,9 +159,11 @@ inline Spectrum RglTable::spectrum(const SliceBlend& blend, const SquareCell& ce
     std::array<std::uint32_t, 4> rows;
     for (std::size_t k = 0; k < 4; ++k) rows[k] = std::uint32_t(blend.slice[k] * slice_rows_ + cell.node);
     const SpectralRows::Corners corners{std::size_t(width_), cell.s, cell.t};
-    if (blend.count == 4) return rows_.sum<4>(rows.data(), blend.weight.data(), corners, place);
-    if (blend.count == 2) return rows_.sum<2>(rows.data(), blend.weight.data(), corners, place);
-    return rows_.sum<1>(rows.data(), blend.weight.data(), corners, place);
+    const float* const weight = blend.weight.data();
+    return max(blend.count == 4   ? rows_.sum<4>(rows.data(), weight, corners, place)
+               : blend.count == 2 ? rows_.sum<2>(rows.data(), weight, corners, place)
+                                  : rows_.sum<1>(rows.data(), weight, corners, place),
+               0.f);
   }
   const std::size_t slice_size = std::size_t(width_) * std::size_t(height_) * stride_,
                     row_size = std::size_t(width_) * stride_;
@@ -176,7 +182,7 @@ inline Spectrum RglTable::spectrum(const SliceBlend& blend, const SquareCell& ce
     }
     sum.add(all, c);
   }
-  return sum.value();
+  return max(sum.value(), 0.f);
 }
 
 inline std::array<float, 3> RglTable::channels(const SliceBlend& blend, const SquareCell& cell) const {
@@ -193,6 +199,7 @@ inline std::array<float, 3> RglTable::channels(const SliceBlend& blend, const Sq
             (load_four(above) * left + load_four(above + 3) * right) * high) *
            blend.weight[std::size_t(k)];
   }
+  sum = sum > 0 ? sum : Four{};
   return {sum[0], sum[1], sum[2]};
 }
 

@@ -20,7 +20,8 @@ public:
   /// Throws Error without a location for a range of azimuths that is neither the circle, half of it nor a quarter.
   RglTable(const RglFile& file, const SpectralGrid& grid);
 
-  /// f |cos theta_o| of light between wi and wo, both above the surface.
+  /// f |cos theta_o| of light between wi and wo, both above the surface. Interpolated values below zero count as zero, as in the
+  /// program of RGL's database (powitacq): measured values may be negative by noise, or outside of sRGB's gamut.
   Spectrum value(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
   /// f |cos theta_o| of the three channels of a file in linear sRGB.
   std::array<float, 3> rgb(const Vec3& wi, const Vec3& wo) const;

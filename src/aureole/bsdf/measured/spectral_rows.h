@@ -26,10 +26,10 @@ namespace aureole {
 class SpectralRows {
 public:
   SpectralRows() = default;
-  /// `maximum`: the largest number that will be stored.
+  /// `maximum`: the largest magnitude of the numbers that will be stored.
   SpectralRows(const SpectralGrid& grid, const SpectralNodes& nodes, std::size_t rows, float maximum);
 
-  /// Stores the numbers of a row, in the order of the wavelengths used. Numbers are not negative.
+  /// Stores the numbers of a row, in the order of the wavelengths used.
   void set(std::size_t row, std::span<const float> values);
 
   /// The four rows around a point of a rectangular table: `row`, the next one, and those `width` rows behind.
