@@ -161,6 +161,7 @@ LaboratoryCurves measured_lobes(double alpha, const std::vector<double>& inciden
   const GonioTable table = measure_scattering(bench, metal, s, plan);
   FitSettings fit;
   fit.lamp_angle = s.lamp_angle, fit.detector_angle = s.detector_angle;
+  fit.viewed_m = s.viewed_m, fit.distance_m = s.distance_m;
   fit.models = {"beckmann", "ggx"};
   const std::vector<BrdfFit> fits = fit_brdfs(table, fit);
   Plot plot{"Lobes of a goniometer", "angle from the normal, degrees", "f, 1/sr", {}, false};
