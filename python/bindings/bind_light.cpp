@@ -199,11 +199,22 @@ void bind_photometry(nb::module_& m) {
       nb::arg("picture"), nb::arg("name"));
   m.def(
       "map_statistics",
-      [](const Numbers& values, const std::array<int, 4>& region) {
-        const MapStatistics s = map_statistics(map_of_array(values, "", ""), regions_of({region})[0]);
+      [](const Numbers& values, const std::array<int, 4>& region, const std::vector<double>& areas) {
+        PhotometricMap map = map_of_array(values, "", "");
+        if (!areas.empty() && areas.size() != map.values.size())
+          throw Error("areas: expected that of each cell, or none");
+        map.areas = areas;
+        const MapStatistics s = map_statistics(map, regions_of({region})[0]);
         return nb::make_tuple(s.count, s.mean, s.min, s.median, s.max, s.uniformity(), s.diversity(), s.sum);
       },
-      nb::arg("values"), nb::arg("region"));
+      nb::arg("values"), nb::arg("region"), nb::arg("areas"));
+  m.def(
+      "cell_areas",
+      [](const std::shared_ptr<OpenScene>& scene, int width, int height) {
+        if (width < 1 || height < 1) throw Error("width: expected at least one cell");
+        return cell_areas(scene->scene()->sensor(), width, height);
+      },
+      nb::arg("scene"), nb::arg("width"), nb::arg("height"));
   m.def(
       "picture_glare",
       [](const Numbers& values, const std::string& quantity, const std::string& unit,

@@ -88,6 +88,38 @@ TEST_F(PhotometryCommand, WritesFilesOfAModelledLuminaire) {
   EXPECT_NEAR(read_luminaire(folder.path / "y.ies").distribution.flux(), 700, 0.1);
 }
 
+TEST_F(PhotometryCommand, MeansOnAShapeAreOverItsArea) {
+  // A ball in parallel light of 2000 lx: a quarter of that in the mean over its surface, since a disc of its radius catches it.
+  // Equal cells of the texture coordinates would have 622 lx: 2000 (cos 0 + 2 cos 30 + 2 cos 60)/12 over six rows.
+  folder.write(
+      "ball.xml",
+      "<scene version='3.0.0'><integrator type='direct'/><shape type='sphere'><bsdf type='diffuse'/><sensor type='powermap'>"
+      "<string name='measure' value='irradiance'/><film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='6'/>"
+      "<string name='quantity' value='$quantity'/></film><sampler type='sobol'><integer name='sample_count' value='1024'/></sampler></sensor></shape>"
+      "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/><string name='amount' value='2 klx'/></emitter></scene>");
+  const auto mean_of = [&](const std::string& printed) {
+    const std::size_t at = printed.find("0,0,8,6");
+    EXPECT_NE(at, std::string::npos) << printed;
+    return std::stod(printed.substr(at + 7));
+  };
+  ASSERT_EQ(run({"photometry", "ball.xml", "-D", "quantity=illuminance", "-o", "x.png", "-q"}), 0) << output;
+  EXPECT_NEAR(mean_of(output), 500, 1);
+  ASSERT_EQ(
+      run({"photometry", "x.exr", "--scene", "ball.xml", "-D", "quantity=illuminance", "-o", "y.png", "-q"}),
+      0)
+      << output;
+  EXPECT_NEAR(mean_of(output), 500, 1);
+  // A picture alone does not know the shape: its cells count alike.
+  ASSERT_EQ(run({"photometry", "x.exr", "-o", "y.png", "-q"}), 0) << output;
+  EXPECT_NEAR(mean_of(output), 622, 1);
+  // Power through the cells adds up: 2000 lx times pi m^2.
+  ASSERT_EQ(run({"photometry", "ball.xml", "-D", "quantity=luminous_flux", "-o", "y.png", "-q"}), 0)
+      << output;
+  const std::size_t at = output.find("luminous flux through 0,0,8,6: ");
+  ASSERT_NE(at, std::string::npos) << output;
+  EXPECT_NEAR(std::stod(output.substr(at + 31)), 2000 * M_PI, 10);
+}
+
 const std::string kPanel =
     "IESNA:LM-63-2002\nTILT=NONE\n1 4000 1 4 1 1 2 0.6 0.6 0\n1 1 36\n0 30 60 90\n0\n1000 860 450 0\n";
 

@@ -90,6 +90,19 @@ def test_power_through_cells(folder):
     assert found.regions[0].total == pytest.approx(628.3185 * 0.02**2, rel=2e-3)
 
 
+def test_means_on_a_shape(folder):
+    """Cells of a ball count by their areas: a quarter of the illuminance of parallel light in the mean."""
+    scene = aureole.load_string("""<scene version="3.0.0"><integrator type="direct"/><shape type="sphere"><bsdf type="diffuse"/><sensor type="powermap">
+      <string name="measure" value="irradiance"/><film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="6"/>
+      <string name="quantity" value="illuminance"/></film></sensor></shape>
+      <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><string name="amount" value="2 klx"/></emitter></scene>""")
+    found = aureole.photometry(scene, 1024, progress=False)
+    assert found.regions[0].mean == pytest.approx(500, rel=2e-3)
+    assert found.values.mean() == pytest.approx(2000 * (1 + math.sqrt(3) + 1) / 12, rel=2e-3)
+    assert aureole.photometry(found.image, scene=scene).regions[0].mean == found.regions[0].mean
+    assert aureole.photometry(found.image).regions[0].mean == pytest.approx(found.values.mean())
+
+
 def test_glare_and_daylight(folder):
     scene = """<scene version="3.0.0"><integrator type="path"/><sensor type="{sensor}"><film type="hdrfilm"><integer name="width" value="64"/>
       <integer name="height" value="64"/><string name="quantity" value="{quantity}"/><rfilter type="box"/></film>
