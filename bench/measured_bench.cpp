@@ -156,6 +156,12 @@ void eval_pdf(benchmark::State& state, const std::shared_ptr<Bsdf>& bsdf, Direct
   });
 }
 
+void sample(benchmark::State& state, const std::shared_ptr<Bsdf>& bsdf, Directions directions) {
+  run(state, bsdf, directions, [](const Bsdf& b, const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) {
+    return b.sample(wi, 0.5f, {0.5f + 0.5f * wo.x, 0.5f + 0.5f * wo.y}, ctx);
+  });
+}
+
 void rough_random_eval(benchmark::State& state) { eval(state, roughconductor(), Directions::random); }
 void rough_random_eval_pdf(benchmark::State& state) { eval_pdf(state, roughconductor(), Directions::random); }
 void rough_picture_eval(benchmark::State& state) { eval(state, roughconductor(), Directions::picture); }
@@ -167,6 +173,11 @@ void measured_random_eval_pdf(benchmark::State& state) { eval_pdf(state, measure
 void measured_picture_eval(benchmark::State& state) { eval(state, measured(), Directions::picture); }
 void measured_picture_eval_pdf(benchmark::State& state) { eval_pdf(state, measured(), Directions::picture); }
 
+void rough_random_sample(benchmark::State& state) { sample(state, roughconductor(), Directions::random); }
+void rough_picture_sample(benchmark::State& state) { sample(state, roughconductor(), Directions::picture); }
+void measured_random_sample(benchmark::State& state) { sample(state, measured(), Directions::random); }
+void measured_picture_sample(benchmark::State& state) { sample(state, measured(), Directions::picture); }
+
 BENCHMARK(rough_random_eval)->Name("roughconductor, random/eval");
 BENCHMARK(rough_random_eval_pdf)->Name("roughconductor, random/eval_pdf");
 BENCHMARK(rough_picture_eval)->Name("roughconductor, picture/eval");
@@ -175,6 +186,10 @@ BENCHMARK(measured_random_eval)->Name("measured, 85 MB, random/eval");
 BENCHMARK(measured_random_eval_pdf)->Name("measured, 85 MB, random/eval_pdf");
 BENCHMARK(measured_picture_eval)->Name("measured, 85 MB, picture/eval");
 BENCHMARK(measured_picture_eval_pdf)->Name("measured, 85 MB, picture/eval_pdf");
+BENCHMARK(rough_random_sample)->Name("roughconductor, random/sample");
+BENCHMARK(rough_picture_sample)->Name("roughconductor, picture/sample");
+BENCHMARK(measured_random_sample)->Name("measured, 85 MB, random/sample");
+BENCHMARK(measured_picture_sample)->Name("measured, 85 MB, picture/sample");
 
 }  // namespace
 }  // namespace aureole

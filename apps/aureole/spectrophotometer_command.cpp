@@ -131,6 +131,8 @@ int spectrophotometer(SpectrophotometerOptions o) {
     for (const std::string& note : loaded.notes) tell("note: {}\n", note);
     note_unused(o);
   }
+  if (o.transmission && !loaded.specimen.is_translucent())
+    tell("note: --transmission: \"{}\" lets no light pass\n", loaded.specimen.name);
   if (!o.monochromator.empty())
     tell(
         "note: --monochromator: no material here fluoresces; before and after the sample it measures alike\n");

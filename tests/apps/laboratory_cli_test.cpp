@@ -259,6 +259,10 @@ TEST_F(LaboratoryCli, WrongInputIsToldWithItsPlace) {
   fails({"spectrophotometer", "m.xml#grey", "--sample-size", "3mm"}, "is smaller than the spot");
   fails({"spectrophotometer", "m.xml#grey", "-o", "x.doc"}, "the ending says what is written");
   EXPECT_FALSE(std::filesystem::exists(folder.path / "x.doc"));
+  ASSERT_EQ(run({"spectrophotometer", "m.xml#grey", "--transmission", "--geometry", "0:0", "--range",
+                 "550,550", "--paths", "256"}),
+            0);
+  EXPECT_NE(said.find("\"grey\" lets no light pass"), std::string::npos) << said;
   fails({"goniometer", "m.xml#grey", "--incident", "95"}, "an angle of incidence of 95 degrees");
   fails({"goniometer", "m.xml#grey", "--models", "gxg"}, "did you mean");
   // Lists name their empty entries; the command line's library leaves them out.
