@@ -121,7 +121,8 @@ int ugr(const UgrArguments& a) {
   try {
     table = ugr_table(luminaire, options);
   } catch (const Error& e) {
-    throw Error(a.target + ": " + e.what());
+    const std::string message = e.what();
+    throw Error(message.starts_with("--") ? message : a.target + ": " + message);
   }
   for (const std::string& note : table.notes) tell("note: {}: {}\n", a.target, note);
   const UgrTable shown = shown_table(table, a.is_uncorrected);

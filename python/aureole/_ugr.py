@@ -154,7 +154,10 @@ def ugr(
     if data.type != "C":
         raise Error("a table of UGR is that of a luminaire of type C, which hangs in a room")
     with Words():
-        found = _aureole.ugr_table(data.text("ies"), data.name, distance, kind == "patches")
+        try:
+            found = _aureole.ugr_table(data.text("ies"), data.name, distance, kind == "patches")
+        except Error as e:
+            raise e if str(e).startswith("--") else Error(f"{data.name}: {e}") from None
     tell(found["notes"])
     less = found["correction"] if for_kilolumen else 0.0
     return UgrData(

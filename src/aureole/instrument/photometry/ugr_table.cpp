@@ -207,7 +207,7 @@ struct GlareSum {
     const double area = projected_area(luminaire.opening, to_eye);
     if (!(area > 0))
       throw Error(
-          "the luminous opening has no area towards an observer below it, so that the luminance is unknown");
+          "the luminous opening has no area towards an observer below it, so that the luminance is unknown: state it by --opening");
     const double part = candela * candela / (area * square * p * p), angle = area / square;
     sum += part;
     if (angle < optics::kSmallestGlareSource || angle > optics::kLargestGlareSource) outside += part;
@@ -276,12 +276,12 @@ UgrTable ugr_table(const Luminaire& luminaire, const UgrOptions& options) {
     throw Error("a table of UGR is that of a luminaire of type C, which hangs in a room");
   if (luminaire.opening.is_point())
     throw Error(
-        "the luminaire has no luminous area, by which its luminance is reckoned: state its luminous opening");
+        "the luminaire has no luminous area, by which its luminance is reckoned: state it by --opening");
   const double per_height = 1 / options.spacing;
   if (!(options.spacing > 0 && per_height >= 1 - 1e-9 && per_height <= 20 + 1e-9 &&
         std::abs(per_height - std::round(per_height)) < 1e-6))
     throw Error(fmt::format(
-        "spacing {:g}: 1 over it must be a whole number from 1 to 20, so that luminaires fill all rooms",
+        "--spacing {:g}: 1 over it must be a whole number from 1 to 20, so that luminaires fill all rooms",
         options.spacing));
   UgrTable table;
   table.spacing = options.spacing;
