@@ -229,6 +229,26 @@ TEST(Spectrophotometer, HazeOfAGaussianSheetIsTheTailOfItsDistribution) {
   EXPECT_LT(traced.total_error, 0.015);
 }
 
+// Bands share paths: an error that took them for independent would be a quarter of it.
+TEST(Spectrophotometer, ErrorOfLuminanceKnowsThatBandsShareTheirPaths) {
+  std::vector<double> nm;
+  for (double x = 400; x <= 700; x += 20) nm.push_back(x);
+  const std::vector<double> weights = luminance_weights(nm);
+  Specimen sheet{.name = "sheet"};
+  sheet.bsdf = build<Bsdf>("<bsdf type=\"test_gaussian_sheet\"/>");
+  SpectrophotometerSettings s = at("0:di", true);
+  double squares = 0;
+  constexpr int kSeeds = 16;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const Haze h = measure_haze(bench_of(1 << 13, nm, std::uint64_t(seed + 1)), sheet, s, 2.5, weights);
+    squares += std::pow((h.total - 1) / h.total_error, 2);
+    EXPECT_LT(h.total_error, 0.1);
+  }
+  // The mean of z^2 over 16 seeds, of Student's distribution with 15 degrees of freedom: variance 1.154.
+  EXPECT_LT(squares / kSeeds, 2.6);
+  EXPECT_GT(squares / kSeeds, 0.3);
+}
+
 Specimen pane_of_index(const std::string& n) {
   Specimen pane{.name = "pane"};
   pane.bsdf = build<Bsdf>("<bsdf type=\"thindielectric\"><float name=\"int_ior\" value=\"" + n +

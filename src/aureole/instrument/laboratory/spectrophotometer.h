@@ -66,8 +66,13 @@ struct MeasuredSpectrum {
   /// The part of the light that a wide port would read which is lost beside the lit area, by band, as diffusion predicts it
   /// (`optics::port_part`); empty unless a slab of a homogeneous medium is measured in reflection.
   std::vector<double> edge_loss;
+  /// By replicate and band, the deviation of a value, of which the root of the mean square over the root of the replicates less
+  /// one is the error by tracing. Bands share paths, so that sums over bands need them.
+  std::vector<std::vector<double>> deviations;
   /// The sum of all causes' squares under a root.
   double error(std::size_t band) const;
+  /// The standard error of the sum of weights[i] times the value of band i.
+  double error_of_sum(const std::vector<double>& weights) const;
   std::vector<std::string> notes;
 };
 
