@@ -267,6 +267,17 @@ TEST(UgrTable, Errors) {
   Luminaire b = quadrants("0.3 1.2 0", kAlong, kAcross);
   b.type = optics::PhotometricType::b;
   EXPECT_NE(message(b).find("type C"), std::string::npos);
+  // A ring of light of 0.2 degrees, between the steps by which fluxes are summed: its background is that of all its flux.
+  const UgrTable ring = ugr_table(
+      parse_luminaire("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 5 1 1 2 0.3 1.2 0\n1 1 10\n0 59.9 60 60.1 90\n0\n"
+                      "0 0 90000 0 0\n",
+                      "ring.ies"));
+  const UgrTable wide = ugr_table(
+      parse_luminaire("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 5 1 1 2 0.3 1.2 0\n1 1 10\n0 59 60 61 90\n0\n"
+                      "0 0 9000 0 0\n",
+                      "ring.ies"));
+  for (std::size_t r = 0; r < 19; ++r)
+    EXPECT_NEAR(ring.background[0][r][0], wide.background[0][r][0], 0.03 * wide.background[0][r][0]);
   // A spot that lights only the floor below it: nobody is dazzled, and the walls have a background all the same.
   const UgrTable spot = ugr_table(quadrants("0.1 0.1 0", {1000, 0, 0, 0, 0, 0, 0}, {1000, 0, 0, 0, 0, 0, 0}));
   for (std::size_t r = 0; r < 19; ++r) {

@@ -44,24 +44,21 @@ struct FluxBundle {
   double flux = 0;
 };
 
-/// Bundles of equal steps of both angles, whose sums over each hemisphere are the exact integrals.
+/// Bundles of equal steps of both angles. The flux in each step of gamma is the exact integral, so that no narrow beam is lost.
 std::vector<FluxBundle> flux_bundles(const optics::IntensityDistribution& d, int azimuths, int polar_angles) {
   std::vector<FluxBundle> bundles;
-  double sums[2] = {};
+  std::vector<double> candela(std::size_t(azimuths), 0.0);
   for (int j = 0; j < polar_angles; ++j) {
-    const double gamma = 180 * (j + 0.5) / polar_angles;
-    const double weight = std::sin(gamma * M_PI / 180) * (M_PI / polar_angles) * (2 * M_PI / azimuths);
-    for (int i = 0; i < azimuths; ++i) {
-      const double c = 360 * (i + 0.5) / azimuths, flux = weight * d.at(c, gamma);
-      if (!(flux > 0)) continue;
-      bundles.push_back({d.direction(c, gamma), flux});
-      sums[gamma > 90] += flux;
+    const double step = 180.0 / polar_angles, gamma = (j + 0.5) * step;
+    const double flux = d.flux(j * step, (j + 1) * step);
+    if (!(flux > 0)) continue;
+    const auto azimuth = [&](std::size_t i) { return 360 * (double(i) + 0.5) / azimuths; };
+    double sum = 0;
+    for (std::size_t i = 0; i < candela.size(); ++i) sum += candela[i] = d.at(azimuth(i), gamma);
+    for (std::size_t i = 0; i < candela.size(); ++i) {
+      const double part = sum > 0 ? candela[i] / sum : 1.0 / azimuths;
+      if (part > 0) bundles.push_back({d.direction(azimuth(i), gamma), flux * part});
     }
-  }
-  const double exact[2] = {d.flux(0, 90), d.flux(90, 180)};
-  for (FluxBundle& b : bundles) {
-    const int half = b.direction[2] < 0;
-    b.flux *= exact[half] / sums[half];
   }
   return bundles;
 }
