@@ -59,6 +59,9 @@ public:
   static constexpr bool kFromSensor = Kind::Density::kBegin == PathStart::sensor;
   /// Edges diffract light (transport/edge_walk.h).
   static constexpr bool kDiffracts = kAny && std::is_same_v<typename Kind::L, Unpolarised>;
+  /// Diffraction factors of segments are computed when the path adds light to the result. Paths whose throughput
+  /// is used in other ways compute them at once.
+  static constexpr bool kDefersDiffraction = false;
   static constexpr TransportMode kMode = kFromSensor ? TransportMode::radiance : TransportMode::importance;
   using L = typename Kind::L;
   using Vertex = BasicVertex<Kind::kSpace, L>;
@@ -91,7 +94,9 @@ public:
   Event arrive(int i, const RayTracer::Hit& hit);
   bool scatter(int i);
   PathList emerge() requires(Kind::kEmerges);
-  void end_connection(int i, int k, const Connection& c, bool open) {
+  void end_connection(int i, int k, Connection& c, bool open) {
+    if constexpr (kDiffracts)
+      if (open) c.passage *= edges_.count_pending(self(), i);
     if constexpr (kAny)
       if (k == 0) states_[i].is_connected = open;
     self().connected(i, k, c, open);
@@ -234,6 +239,12 @@ private:
     const Segment& segment = states_[i].segment;
     return find_contact(scene_, segment.ray, hit, segment, wavelengths(i), contact) ? &contact : nullptr;
   }
+  /// Adds the radiance of a light that the ray has reached.
+  void emit(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
+    if constexpr (kDiffracts)
+      if (!is_black(radiance)) edges_.count_pending(self(), i);
+    self().emission(i, light, point, radiance);
+  }
   Event sample_medium(int i, float t_max);
   Event transmit(int i, float t_max);
   Event escape(int i);
@@ -293,6 +304,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
         if (const Light* light = vertex.light(); light && behind > 0) {
           // The emission of a light counts whether or not the ray goes on behind it.
           is_emission_counted = true;
+          edges_.count_pending(self(), i);
           self().emission(i, *light, &vertex.point(),
                           light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths) *
                               edges_.factor(self(), i, s.segment.behind));
@@ -315,8 +327,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
         return Event::crossed;
       }
       if (!is_emission_counted)
-        self().emission(i, *light, &vertex.point(),
-                        light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
+        emit(i, *light, &vertex.point(), light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
     }
     s.last = !reaches(i, 2);
     if (s.last && (!vertex.surface().passable || limits_.counts(vertex.surface()))) {
@@ -393,7 +404,7 @@ Event Walk<Self, Kind>::escape(int i) {
   }
   if constexpr (kFromSensor)
     for (const Light* light : scene_.infinite_emitters())
-      self().emission(i, *light, nullptr, light->eval_escaped(s.segment.ray.d, path.wavelengths));
+      emit(i, *light, nullptr, light->eval_escaped(s.segment.ray.d, path.wavelengths));
   return Event::escape;
 }
 

@@ -30,6 +30,7 @@ struct WalkStateInSpace {
   /// throughput at the start of the path: Russian roulette uses throughput relative to it
   float first_throughput = 1;
   DiffractionState diffraction;
+  PendingSegments pending;
 };
 struct WalkStateInEmptySpace {};
 
