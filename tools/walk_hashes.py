@@ -103,7 +103,8 @@ def scenes(folder):
     head = '<scene version="3.0.0"><default name="width" value="16"/><default name="height" value="16"/><default name="spp" value="4"/>'
     for name, body in SCENES.items():
         yield name, None, head + "INTEGRATOR" + body + "</scene>", ""
-    beam = '<string name="beam_width" value="5cm"/>'
+    beams = '<string name="diffraction_model" value="beams"/>'
+    beam = beams + '<string name="beam_width" value="5cm"/>'
     text = head + "INTEGRATOR" + SENSOR + ROOM + LAMP + """<shape type="cube"><transform name="to_world"><scale value="0.3"/><rotate y="1" angle="30"/></transform>
         <bsdf type="diffuse"/></shape></scene>"""
     yield "edges", None, text, beam
@@ -112,7 +113,7 @@ def scenes(folder):
         own = PLAIN.search(text)
         beam = re.search(r'<string name="beam_width".*?/>', own[0]) if own else None
         text = PLAIN.sub("INTEGRATOR", text, count=1) if own else text.replace("</scene>", "INTEGRATOR</scene>")
-        yield name, (ROOT / path).parent, text, beam[0] if beam else ""
+        yield name, (ROOT / path).parent, text, beams + beam[0] if beam else ""
 
 
 def run(program, folder, scene, name, keep=None):

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <system_error>
 
 #include "aureole/core/error.h"
@@ -28,6 +29,7 @@ public:
 
   int run(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-') require_command(argv[1]);
+    require_entries(argc, argv);
     try {
       app_.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -47,16 +49,57 @@ private:
     throw Error("unknown command \"" + name + "\"" + hint);
   }
 
+  /// Throws Error for a list with an empty entry ("20,,60"), which CLI11 would leave out without a word.
+  void require_entries(int argc, char** argv) const {
+    std::string name;
+    const CommandOptions* options = nullptr;
+    int first = 1;
+    for (; first < argc && argv[first][0] != '-'; ++first) {
+      name += (name.empty() ? "" : " ") + std::string(argv[first]);
+      const auto found = named_.find(name);
+      if (found == named_.end()) break;
+      options = found->second;
+    }
+    if (!options) return;
+    for (const auto& option : options->all()) {
+      if (!option->separator_) continue;
+      const std::string names = "," + option->names_ + ",";
+      for (int i = first; i < argc; ++i) {
+        const std::string word = argv[i];
+        const std::size_t equals = word.find('=');
+        const std::string called = word.substr(0, equals);
+        if (called.empty() || called[0] != '-' || names.find("," + called + ",") == std::string::npos)
+          continue;
+        if (equals != std::string::npos)
+          require_entries(called, word.substr(equals + 1), option->separator_);
+        else if (i + 1 < argc)
+          require_entries(called, argv[i + 1], option->separator_);
+      }
+    }
+  }
+  static void require_entries(const std::string& option, const std::string& list, char separator) {
+    std::size_t begin = 0;
+    for (int entry = 1;; ++entry) {
+      const std::size_t end = std::min(list.find(separator, begin), list.size());
+      if (list.find_first_not_of(' ', begin) >= end)
+        throw Error(option + ": entry " + std::to_string(entry) + " of \"" + list + "\" is empty");
+      if (end == list.size()) return;
+      begin = end + 1;
+    }
+  }
+
   void add(const Command& command) {
     const std::size_t blank = command.name.rfind(' ');
     CLI::App* parent = &app_;
     if (blank != std::string::npos) parent = app_.get_subcommand(command.name.substr(0, blank));
     CLI::App* sub = parent->add_subcommand(command.name.substr(blank + 1), command.help);
     if (!command.declare) {
+      named_[command.name] = nullptr;
       sub->require_subcommand(1);
       return;
     }
     const auto& options = declared_.emplace_back(std::make_unique<CommandOptions>());
+    named_[command.name] = options.get();
     const std::function<int()> action = command.declare(*options);
     for (const auto& option : options->all()) add(*sub, *option);
     if (options->words_) {
@@ -98,6 +141,7 @@ private:
 
   CLI::App app_;
   std::vector<std::unique_ptr<CommandOptions>> declared_;
+  std::map<std::string, const CommandOptions*> named_;  ///< by the commands' names; null for groups
   int exit_code_ = 0;
 };
 

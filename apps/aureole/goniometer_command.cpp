@@ -244,7 +244,11 @@ int goniometer(GoniometerOptions o) {
   if (o.fit) {
     FitSettings fit;
     fit.models = o.models;
-    if (!is_file) fit.lamp_angle = s.lamp_angle, fit.detector_angle = s.detector_angle;
+    // The apertures that measured a file are those that the user states.
+    const GoniometerSettings usual;
+    if (!is_file || s.lamp_angle != usual.lamp_angle) fit.lamp_angle = s.lamp_angle;
+    if (!is_file || s.detector_angle != usual.detector_angle) fit.detector_angle = s.detector_angle;
+    if (!is_file || !o.aperture.empty()) fit.viewed_m = s.viewed_m, fit.distance_m = s.distance_m;
     const std::vector<BrdfFit> fits = fit_brdfs(table, fit);
     if (!o.is_quiet) fmt::print("{}", fit_text(fits));
     out["fits"] = fits_json(fits);

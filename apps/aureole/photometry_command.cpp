@@ -131,6 +131,7 @@ int photometry(const PhotometryArguments& a) {
 
   MapOfScene found = is_scene ? map_of_scene(a, exr) : map_of_picture(a);
   PhotometricMap& map = found.map;
+  if (found.scene) map.areas = cell_areas(found.scene->sensor(), map.width, map.height);
   if (a.daylight) {
     if (map.unit != "lx")
       throw Error("--daylight: needs a map of the illuminance in lx, not of the " + map.quantity);

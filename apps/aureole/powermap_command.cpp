@@ -194,7 +194,7 @@ std::function<int()> declare(CommandOptions& options) {
   options
       .add(
           "--diffraction-model", a->settings.diffraction_model,
-          "how edges diffract, beams or segments; segments selects the integrator path unless --integrator is given")
+          "how edges diffract, segments (default) or beams; segments selects the integrator path unless --integrator is given")
       .one_of({"beams", "segments"});
   options
       .add(

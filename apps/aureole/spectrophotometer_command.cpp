@@ -131,6 +131,8 @@ int spectrophotometer(SpectrophotometerOptions o) {
     for (const std::string& note : loaded.notes) tell("note: {}\n", note);
     note_unused(o);
   }
+  if (o.transmission && !loaded.specimen.is_translucent())
+    tell("note: --transmission: \"{}\" lets no light pass\n", loaded.specimen.name);
   if (!o.monochromator.empty())
     tell(
         "note: --monochromator: no material here fluoresces; before and after the sample it measures alike\n");
@@ -147,8 +149,9 @@ int spectrophotometer(SpectrophotometerOptions o) {
     }
     if (o.haze > 0) {
       const Haze h = measure_haze(bench, loaded.specimen, s, o.haze, weights);
-      fmt::print("total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}\n", h.total,
-                 h.total_error, o.haze, h.haze, h.haze_error);
+      fmt::print(
+          "total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}, sphere {}\n",
+          h.total, h.total_error, o.haze, h.haze, h.haze_error, s.by_theory ? "by theory" : "traced");
       out["haze"] = {
           {"angle", o.haze}, {"total_transmittance", h.total}, {"haze", h.haze}, {"error", h.haze_error}};
     }

@@ -24,9 +24,9 @@ SCENE = """<?xml version="1.0" encoding="utf-8"?>
     <default name="spp" value="64"/>
     <default name="cells" value="512"/>
     <default name="depth" value="6"/>
-    <default name="diffraction" value="true"/>
+    <default name="diffraction" value="true"/> <default name="model" value="beams"/>
     <integrator type="ptracer"><integer name="max_depth" value="$depth"/>
-        <boolean name="diffraction" value="$diffraction"/></integrator>
+        <boolean name="diffraction" value="$diffraction"/> <string name="diffraction_model" value="$model"/></integrator>
     <sensor type="powermap">
         <transform name="to_world"><scale value="{half:g}"/><translate x="{x:g}" y="{y:g}" z="1.5"/></transform>
         <film type="hdrfilm">

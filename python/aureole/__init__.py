@@ -29,6 +29,7 @@ from ._powermap import PowerMap, powermap  # noqa: E402
 from ._python_bsdf import PythonBsdf, as_bsdf  # noqa: E402
 from ._render import InterruptedWarning, render, render_iter  # noqa: E402
 from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # noqa: E402
+from ._ugr import UgrData, UgrVariation, ugr  # noqa: E402
 from ._volume import read_vol, write_vol  # noqa: E402
 
 __all__ = [
@@ -38,9 +39,9 @@ __all__ = [
     "LateralSpread", "LayerData", "LayerDifference", "LensData", "LightField", "Lobe", "LuminaireData", "MeasuredSpectrum", "Medium",
     "MediumCoefficients", "MediumData", "Microstructure", "Object", "ParameterError", "Particles", "Phase", "PhaseSample",
     "PhotometryData", "PowerMap", "Problem", "PythonBsdf", "RadiometerReading", "Reflectances", "RegionStatistics", "Rings", "Scene",
-    "SceneError", "Texture", "Transform", "__version__", "as_bsdf", "cache", "cam16", "check", "color", "color_rendering", "compare",
+    "SceneError", "Texture", "Transform", "UgrData", "UgrVariation", "__version__", "as_bsdf", "cache", "cam16", "check", "color", "color_rendering", "compare",
     "convert", "convert_bsdf", "denoise", "droplet_size", "expose", "goniometer", "goniometer_report", "goniophotometer",
     "illumination", "info", "lateral_spread", "layer", "lens", "lightfield", "load_dict", "load_file", "load_string", "medium",
     "microstructure", "optics", "photometry", "pigment", "plot", "powermap", "read_image", "read_vol", "render", "render_iter",
-    "rings", "spectrophotometer", "spectroradiometer", "spectrum", "write_vol",
+    "rings", "spectrophotometer", "spectroradiometer", "spectrum", "ugr", "write_vol",
 ]

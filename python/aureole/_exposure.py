@@ -100,7 +100,7 @@ class ExposureData(Table):
         }
 
     def plot(self, ax: Any = None, *, frame: int = 0) -> Any:
-        """A frame in grey.
+        """A frame in grey, from the black level to the largest of all but a thousandth of the pixels.
 
         Parameters
         ----------
@@ -115,7 +115,8 @@ class ExposureData(Table):
 
         values = self.frames[integer("frame", frame, minimum=0, maximum=len(self.frames) - 1)]
         axes = axes_for(ax)
-        drawn = axes.imshow(values, cmap="gray", vmin=self.black_level, vmax=self.white_level)
+        brightest = max(float(np.quantile(values, 0.999)), self.black_level + 1)
+        drawn = axes.imshow(values, cmap="gray", vmin=self.black_level, vmax=brightest)
         axes.figure.colorbar(drawn, ax=axes, label="digital number")
         axes.set_axis_off()
         return axes

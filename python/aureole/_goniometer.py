@@ -75,6 +75,8 @@ class GoniometerData(Table):
         BRDF or BTDF in 1/sr, and its standard uncertainty.
     lamp_angle, detector_angle : float
         Half-angles of the cones in degrees, over which fits average their models.
+    aperture : float
+        Diameter of the viewed area in m, over which they average them, too.
     """
 
     wavelength: Reals
@@ -86,6 +88,7 @@ class GoniometerData(Table):
     uncertainty: Reals = field(repr=False)
     lamp_angle: float
     detector_angle: float
+    aperture: float = 0
 
     def columns(self) -> Dict[str, Any]:
         """Angles in degrees, f by wavelength in 1/sr, and its standard uncertainty, as the BSDF `tabulated` reads them."""
@@ -127,6 +130,7 @@ class GoniometerData(Table):
             "models": names,
             "lamp_angle": self.lamp_angle,
             "detector_angle": self.detector_angle,
+            "aperture": self.aperture,
         }
         with Words():
             found = _aureole.goniometer_fits(options)
@@ -480,9 +484,10 @@ def goniometer(
         np.array(found["phi_o"]),
         np.array(found["f"]).reshape(-1, len(nm)),
         np.array(found["error"]).reshape(-1, len(nm)),
-        # A table does not state its cones.
+        # A table does not state its cones and its viewed area.
         0.0 if is_table else options["lamp_angle"],
         0.0 if is_table else options["detector_angle"],
+        0.0 if is_table else options["aperture"],
     )
 
 

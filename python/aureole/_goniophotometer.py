@@ -142,7 +142,7 @@ class LuminaireData(Table):
 
 def goniophotometer(
     target: "str | os.PathLike[str]",
-    spp: int = 256,
+    spp: Optional[int] = None,
     *,
     c_step: float = 15.0,
     gamma_step: float = 5.0,
@@ -151,6 +151,7 @@ def goniophotometer(
     along: Optional[Sequence[float]] = None,
     flux: float = 0.0,
     lamp_flux: float = 0.0,
+    lamp_set: int = 0,
     watts: float = 0.0,
     opening: Sequence[float] = (0.0, 0.0, 0.0),
     name: str = "",
@@ -167,8 +168,8 @@ def goniophotometer(
     ----------
     target : str or path
         Scene (.xml) with a luminaire alone, which is measured; or an .ies or .ldt file.
-    spp : int
-        Samples per direction.
+    spp : int, optional
+        Samples per direction, by default 256.
     c_step, gamma_step : float
         Steps of the angles in degrees.
     symmetry : {"none", "rotational", "c0", "c90", "quadrants"}
@@ -176,11 +177,14 @@ def goniophotometer(
     down, along : (float, float, float)
         Directions in the scene: gamma = 0, and C = 0 along the luminaire (by default x).
     flux, lamp_flux : float
-        In lm: scale to this flux of the luminaire; make the file relative to that of the lamps. 0: neither.
+        In lm: scale to this flux of the luminaire; make a measurement relative to that of the lamps, and scale the intensities
+        of a file to it. 0: neither.
+    lamp_set : int
+        Which of the alternative sets of lamps of an EULUMDAT file, from 0.
     watts : float
         Electrical power for the file.
     opening : (float, float, float)
-        Luminous opening along, across and high in m, for the file.
+        Luminous opening along, across and high in m, of a measurement or in the place of a file's.
     name, maker : str
         For the file.
     integrator : str
@@ -195,12 +199,9 @@ def goniophotometer(
     LuminaireData
     """
     file = file_path("target", target)
-    if os.path.splitext(file)[1].lower() in (".ies", ".ldt"):
-        with Words():
-            found = _aureole.luminaire_of_file(file)
-        tell(found["notes"])
-        return _data(file, found, None)
-    samples = integer("spp", spp, minimum=1, maximum=2**32)
+    is_file = os.path.splitext(file)[1].lower() in (".ies", ".ldt")
+    samples = integer("spp", 256 if spp is None else spp, minimum=1, maximum=2**32)
+    set_of_lamps = integer("lamp_set", lamp_set, minimum=0, maximum=1000)
     steps = tuple(scalar(n, v, positive=True, maximum=360, unit="degrees") for n, v in (("c_step", c_step), ("gamma_step", gamma_step)))
     vectors = {}
     for argument, value in (("down", down), ("along", along), ("opening", opening)):
@@ -215,6 +216,20 @@ def goniophotometer(
     if min(vectors["opening"]) < 0 or max(vectors["opening"]) >= 1e4:
         raise Error("opening: expected sizes from 0 to 10000 m")
     labels = text("name", name), text("maker", maker)
+    if is_file:
+        given = {"spp": spp is not None, "c_step": c_step != 15, "gamma_step": gamma_step != 5, "symmetry": kind != "none",
+                 "down": vectors["down"] != [0, 0, -1], "along": along is not None, "integrator": integrator != "", "seed": seed is not None,
+                 "threads": threads != 0, "defines": defines is not None}
+        for argument, wrong in given.items():
+            if wrong:
+                raise Error(f"{argument}: is for a scene, which is measured; a file has its intensities")
+        keywords = [pair for label, words in zip(labels, (("LUMINAIRE", "LUMCAT"), ("MANUFAC",))) if label for pair in [(word, label) for word in words]]
+        with Words():
+            found = _aureole.luminaire_of_file(file, set_of_lamps, fluxes, vectors["opening"], keywords)
+        tell(found["notes"])
+        return _data(file, found, None)
+    if set_of_lamps:
+        raise Error("lamp_set: is for an EULUMDAT file; the lamps of a scene are in the scene")
     with Words():
         scene = Scene(
             _aureole.load_goniophotometer(

@@ -26,6 +26,8 @@ Reals = npt.NDArray[np.float64]
 class RegionStatistics:
     """Statistics of the finite values of a part of a map.
 
+    Cells of a `powermap` on a shape count by their areas where the scene is known.
+
     Attributes
     ----------
     x, y, width, height : int
@@ -251,7 +253,8 @@ def photometry(
             values *= 100 / ground
             quantity, unit = "daylight factor", "%"
         rows = rows or [[0, 0, values.shape[1], values.shape[0]]]
-        statistics = [RegionStatistics(*row, *_aureole.map_statistics(values, row)[1:]) for row in rows]
+        areas = [] if opened is None else _aureole.cell_areas(opened._open, values.shape[1], values.shape[0])
+        statistics = [RegionStatistics(*row, *_aureole.map_statistics(values, row, areas)[1:]) for row in rows]
         glared = None
         if wants_glare and opened is not None:
             glared = _glare(_aureole.picture_glare(values, quantity, unit, opened._open, axis, limit))

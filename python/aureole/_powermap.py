@@ -148,7 +148,7 @@ def powermap(
     power : float or str, optional
         Of all emitters in the band, in W or with its unit ("500mW", "33dBm"); by default the scene's.
     integrator, max_depth, diffraction, diffraction_model
-        Of a path: replace the scene's integrator or its parameters; edges diffract ("beams", "segments").
+        Of a path: replace the scene's integrator or its parameters; edges diffract ("segments", the default, or "beams").
     polarisation : str
         Of light that edges diffract, with "segments": "none", "soft", "hard" or "both"; by default the scene's.
     plane, normal : (float, float, float), optional

@@ -320,7 +320,7 @@ nb::list fits(const nb::dict& options) {
   const GonioTable table = table_of(o);
   FitSettings s;
   s.models = o.texts("models"), s.lamp_angle = o.number("lamp_angle"),
-  s.detector_angle = o.number("detector_angle");
+  s.detector_angle = o.number("detector_angle"), s.viewed_m = o.number("aperture");
   const std::vector<BrdfFit> found = stoppable([&](const std::atomic<bool>& stop) {
     s.stop = &stop;
     return fit_brdfs(table, s);

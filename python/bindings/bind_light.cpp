@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photometry, luminaires, lenses, cameras and light fields. The public interface is in aureole/_lens.py, _photometry.py,
-// _goniophotometer.py, _illumination.py, _light_field.py and _exposure.py.
+// _goniophotometer.py, _ugr.py, _illumination.py, _light_field.py and _exposure.py.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
@@ -23,6 +23,7 @@
 #include "aureole/instrument/photometry/goniophotometer_scene.h"
 #include "aureole/instrument/photometry/illumination.h"
 #include "aureole/instrument/photometry/shape_solid_angle.h"
+#include "aureole/instrument/photometry/ugr_table.h"
 #include "aureole/scene/scene.h"
 #include "bindings.h"
 #include "current_tables.h"
@@ -130,6 +131,43 @@ nb::dict luminaire_dict(const Luminaire& l) {
   return d;
 }
 
+/// Options that replace what a file states: flux, flux of the lamps [lm] and power [W], opening [m], keywords.
+GoniometryOptions file_changes(const std::array<double, 3>& fluxes, const std::array<double, 3>& opening,
+                               const NamedValues& keywords) {
+  for (const double v : fluxes)
+    if (!(v >= 0 && std::isfinite(v))) throw Error("fluxes: expected numbers that are not negative");
+  for (const double v : opening)
+    if (!(v >= 0 && v < 1e4)) throw Error("opening: expected sizes in m");
+  GoniometryOptions how;
+  how.flux = fluxes[0], how.lamp_flux = fluxes[1], how.watts = fluxes[2];
+  how.opening.size_m = opening, how.keywords = keywords;
+  return how;
+}
+
+nb::dict ugr_dict(const UgrTable& t) {
+  nb::dict d;
+  d["flux"] = t.flux, d["is_of_lamps"] = t.is_of_lamps, d["correction"] = t.correction();
+  nb::list ratings, backgrounds, variations, rooms, reflectances, columns;
+  for (std::size_t view = 0; view < 2; ++view) {
+    std::vector<double> values, luminances;
+    for (std::size_t r = 0; r < kUgrRooms.size(); ++r) {
+      values.insert(values.end(), t.rating[view][r].begin(), t.rating[view][r].end());
+      luminances.insert(luminances.end(), t.background[view][r].begin(), t.background[view][r].end());
+    }
+    ratings.append(array_of(std::move(values), kUgrRooms.size(), kUgrReflectances.size()));
+    backgrounds.append(array_of(std::move(luminances), kUgrRooms.size(), kUgrReflectances.size()));
+    for (std::size_t k = 0; k < kUgrReflectances.size(); ++k) columns.append(ugr_column(int(view), k));
+  }
+  for (const UgrVariation& v : t.variations)
+    variations.append(nb::make_tuple(v.spacing, v.difference[0], v.difference[1]));
+  for (const UgrRoom& r : kUgrRooms) rooms.append(nb::make_tuple(r.x, r.y));
+  for (const UgrReflectances& r : kUgrReflectances)
+    reflectances.append(nb::make_tuple(r.ceiling, r.walls, r.plane));
+  d["ratings"] = ratings, d["backgrounds"] = backgrounds, d["variations"] = variations, d["rooms"] = rooms;
+  d["reflectances"] = reflectances, d["columns"] = columns, d["notes"] = texts_of(t.notes);
+  return d;
+}
+
 nb::dict map_dict(PhotometricMap map) {
   nb::dict d;
   d["quantity"] = decoded(map.quantity), d["unit"] = decoded(map.unit);
@@ -161,11 +199,22 @@ void bind_photometry(nb::module_& m) {
       nb::arg("picture"), nb::arg("name"));
   m.def(
       "map_statistics",
-      [](const Numbers& values, const std::array<int, 4>& region) {
-        const MapStatistics s = map_statistics(map_of_array(values, "", ""), regions_of({region})[0]);
+      [](const Numbers& values, const std::array<int, 4>& region, const std::vector<double>& areas) {
+        PhotometricMap map = map_of_array(values, "", "");
+        if (!areas.empty() && areas.size() != map.values.size())
+          throw Error("areas: expected that of each cell, or none");
+        map.areas = areas;
+        const MapStatistics s = map_statistics(map, regions_of({region})[0]);
         return nb::make_tuple(s.count, s.mean, s.min, s.median, s.max, s.uniformity(), s.diversity(), s.sum);
       },
-      nb::arg("values"), nb::arg("region"));
+      nb::arg("values"), nb::arg("region"), nb::arg("areas"));
+  m.def(
+      "cell_areas",
+      [](const std::shared_ptr<OpenScene>& scene, int width, int height) {
+        if (width < 1 || height < 1) throw Error("width: expected at least one cell");
+        return cell_areas(scene->scene()->sensor(), width, height);
+      },
+      nb::arg("scene"), nb::arg("width"), nb::arg("height"));
   m.def(
       "picture_glare",
       [](const Numbers& values, const std::string& quantity, const std::string& unit,
@@ -287,30 +336,39 @@ void bind_luminaires(nb::module_& m) {
           throw Error("picture: expected one intensity for each direction");
         GoniophotometerSettings settings;
         settings.scene = file, settings.spp = spp;
-        GoniometryOptions how;
+        GoniometryOptions how = file_changes(fluxes, opening, measurement_keywords(settings, name, maker));
         how.symmetry = symmetry_of(symmetry);
-        how.flux = fluxes[0], how.lamp_flux = fluxes[1], how.watts = fluxes[2];
-        for (const double v : fluxes)
-          if (!(v >= 0 && std::isfinite(v))) throw Error("fluxes: expected numbers that are not negative");
-        for (const double v : opening)
-          if (!(v >= 0 && v < 1e4)) throw Error("opening: expected sizes in m");
-        how.opening.size_m = opening;
-        how.keywords = measurement_keywords(settings, name, maker);
         return luminaire_dict(measured_luminaire(picture.image, how));
       },
       nb::arg("picture"), nb::arg("file"), nb::arg("name"), nb::arg("maker"), nb::arg("spp"),
       nb::arg("symmetry"), nb::arg("fluxes"), nb::arg("opening"));
   m.def(
       "luminaire_of_file",
-      [](const std::filesystem::path& file) {
+      [](const std::filesystem::path& file, std::size_t lamp_set, const std::array<double, 3>& fluxes,
+         const std::array<double, 3>& opening, const NamedValues& keywords) {
         std::optional<Luminaire> l;
         {
           const Unlocked release;
-          l.emplace(read_luminaire(file));
+          l.emplace(read_changed_luminaire(file, lamp_set, file_changes(fluxes, opening, keywords)));
         }
         return luminaire_dict(*l);
       },
-      nb::arg("file"));
+      nb::arg("file"), nb::arg("lamp_set"), nb::arg("fluxes"), nb::arg("opening"), nb::arg("keywords"));
+  m.def(
+      "ugr_table",
+      [](const std::string& text, const std::filesystem::path& name, double spacing, bool has_patches) {
+        UgrTable table;
+        {
+          const Unlocked release;
+          SignalCheck signals;
+          UgrOptions options;
+          options.spacing = spacing, options.between = [&] { signals(); };
+          if (has_patches) options.background = UgrOptions::Background::patches;
+          table = ugr_table(parse_luminaire(text, name), options);
+        }
+        return ugr_dict(table);
+      },
+      nb::arg("text"), nb::arg("name"), nb::arg("spacing"), nb::arg("has_patches"));
   m.def(
       "lens_figures",
       [](const std::filesystem::path& file, std::optional<double> f_number, double object,

@@ -44,6 +44,27 @@ def star(name, points=5, outer=1.0, inner=0.42, rim=6000.0):
     write(name, "A sheet of 6 m with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
 
 
+def ring(name, comment, inner, outer, pieces=32, rim=6000.0):
+    """A sheet with an opening between two circles; nothing holds the disc in its middle."""
+    angles = [2 * math.pi * i / pieces for i in range(pieces)]
+    radii, closed = ([inner, outer], [True, False]) if inner > 0 else ([outer], [False])
+    while radii[-1] < rim:  # rings keep triangles from being slender
+        radii.append(min(2.5 * radii[-1], rim))
+        closed.append(True)
+    vertices = [(r * math.cos(a), r * math.sin(a)) for r in radii for a in angles]
+    faces = []
+    if inner > 0:
+        faces += [(0, i, i + 1) for i in range(1, pieces - 1)]
+    for k in range(len(radii) - 1):
+        if not closed[k + 1]:
+            continue
+        for i in range(pieces):
+            j = (i + 1) % pieces
+            a, b, c, d = k * pieces + i, (k + 1) * pieces + i, (k + 1) * pieces + j, k * pieces + j
+            faces += [(a, b, c), (a, c, d)]
+    write(name, comment, vertices, faces)
+
+
 def comb(name, teeth=15, pitch=2.0, width=0.9, length=25.0, back=8.0):
     """A comb: a back from which teeth hang, each of two triangles."""
     half = teeth * pitch / 2
@@ -97,6 +118,9 @@ def leaves(name, count=14, seed=4):
 if __name__ == "__main__":
     comb("comb.obj")
     leaves("leaves.obj")
+    ring("ring.obj", "A sheet with an opening between circles of 32 pieces, of radius 0.3 and 0.5 mm.", 0.3, 0.5)
+    sheet_with_holes("square.obj", "A sheet with a square opening of 1 mm.", [-6000.0, -0.5, 0.5, 6000.0], [-6000.0, -0.5, 0.5, 6000.0],
+                     lambda i, j: i == 1 and j == 1)
     # A razor blade: three slots of the usual kind, as one long and two short ones, and notches at its corners.
     sheet_with_holes("razor.obj", "A razor blade of 43 x 22 mm with slots.",
                      [-21.5, -18.5, -15.0, -11.0, -4.0, 4.0, 11.0, 15.0, 18.5, 21.5], [-11.0, -7.0, -2.5, -1.0, 1.0, 2.5, 7.0, 11.0],

@@ -143,7 +143,8 @@ TEST(DiffractionGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("diffraction"),
             (std::vector<std::string>{"edge_functions", "edge_amplitudes", "edge_approximation", "wedge",
                                       "openings", "double_slit", "star", "two_slits", "mesh", "comb", "razor",
-                                      "fringes", "block", "leaves", "street"}));
+                                      "fringes", "patterns", "block", "leaves", "window", "street",
+                                      "street_polarised"}));
 }
 
 TEST(DiffractionGallery, TheSolversNumbersAreThoseOfTheTest) {

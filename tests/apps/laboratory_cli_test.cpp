@@ -259,8 +259,17 @@ TEST_F(LaboratoryCli, WrongInputIsToldWithItsPlace) {
   fails({"spectrophotometer", "m.xml#grey", "--sample-size", "3mm"}, "is smaller than the spot");
   fails({"spectrophotometer", "m.xml#grey", "-o", "x.doc"}, "the ending says what is written");
   EXPECT_FALSE(std::filesystem::exists(folder.path / "x.doc"));
+  ASSERT_EQ(run({"spectrophotometer", "m.xml#grey", "--transmission", "--geometry", "0:0", "--range",
+                 "550,550", "--paths", "256"}),
+            0);
+  EXPECT_NE(said.find("\"grey\" lets no light pass"), std::string::npos) << said;
   fails({"goniometer", "m.xml#grey", "--incident", "95"}, "an angle of incidence of 95 degrees");
   fails({"goniometer", "m.xml#grey", "--models", "gxg"}, "did you mean");
+  // Lists name their empty entries; the command line's library leaves them out.
+  fails({"spectrophotometer", "m.xml#grey", "--gloss", "20,,60"}, "--gloss: entry 2 of \"20,,60\" is empty");
+  fails({"spectrophotometer", "m.xml#grey", "--gloss=20,60,"}, "--gloss: entry 3 of \"20,60,\" is empty");
+  fails({"goniometer", "m.xml#grey", "--incident", ",30"}, "--incident: entry 1 of \",30\" is empty");
+  fails({"pigment", "colour", "x.csv", "--others", "A,,F11"}, "--others: entry 2 of \"A,,F11\" is empty");
   fails({"color", "no_colour"}, "is no colour");
   write("bad.csv", "theta_i,theta_o,550nm\n0,ten,1\n");
   fails({"goniometer", "bad.csv"}, "bad.csv:2:");

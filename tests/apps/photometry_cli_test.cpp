@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include "aureole/core/image.h"
 #include "aureole/parameter/luminaire/luminaire_file.h"
@@ -87,6 +88,127 @@ TEST_F(PhotometryCommand, WritesFilesOfAModelledLuminaire) {
   EXPECT_NEAR(read_luminaire(folder.path / "y.ies").distribution.flux(), 700, 0.1);
 }
 
+TEST_F(PhotometryCommand, MeansOnAShapeAreOverItsArea) {
+  // A ball in parallel light of 2000 lx: a quarter of that in the mean over its surface, since a disc of its radius catches it.
+  // Equal cells of the texture coordinates would have 622 lx: 2000 (cos 0 + 2 cos 30 + 2 cos 60)/12 over six rows.
+  folder.write(
+      "ball.xml",
+      "<scene version='3.0.0'><integrator type='direct'/><shape type='sphere'><bsdf type='diffuse'/><sensor type='powermap'>"
+      "<string name='measure' value='irradiance'/><film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='6'/>"
+      "<string name='quantity' value='$quantity'/></film><sampler type='sobol'><integer name='sample_count' value='1024'/></sampler></sensor></shape>"
+      "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/><string name='amount' value='2 klx'/></emitter></scene>");
+  const auto mean_of = [&](const std::string& printed) {
+    const std::size_t at = printed.find("0,0,8,6");
+    EXPECT_NE(at, std::string::npos) << printed;
+    return std::stod(printed.substr(at + 7));
+  };
+  ASSERT_EQ(run({"photometry", "ball.xml", "-D", "quantity=illuminance", "-o", "x.png", "-q"}), 0) << output;
+  EXPECT_NEAR(mean_of(output), 500, 1);
+  ASSERT_EQ(
+      run({"photometry", "x.exr", "--scene", "ball.xml", "-D", "quantity=illuminance", "-o", "y.png", "-q"}),
+      0)
+      << output;
+  EXPECT_NEAR(mean_of(output), 500, 1);
+  // A picture alone does not know the shape: its cells count alike.
+  ASSERT_EQ(run({"photometry", "x.exr", "-o", "y.png", "-q"}), 0) << output;
+  EXPECT_NEAR(mean_of(output), 622, 1);
+  // Power through the cells adds up: 2000 lx times pi m^2.
+  ASSERT_EQ(run({"photometry", "ball.xml", "-D", "quantity=luminous_flux", "-o", "y.png", "-q"}), 0)
+      << output;
+  const std::size_t at = output.find("luminous flux through 0,0,8,6: ");
+  ASSERT_NE(at, std::string::npos) << output;
+  EXPECT_NEAR(std::stod(output.substr(at + 31)), 2000 * M_PI, 10);
+}
+
+const std::string kPanel =
+    "IESNA:LM-63-2002\nTILT=NONE\n1 4000 1 4 1 1 2 0.6 0.6 0\n1 1 36\n0 30 60 90\n0\n1000 860 450 0\n";
+
+TEST_F(PhotometryCommand, PrintsTheTableOfUgr) {
+  folder.write("panel.ies", kPanel);
+  ASSERT_EQ(run({"ugr", "panel.ies", "--csv", "x.csv", "--plot", "x.svg"}), 0) << output;
+  EXPECT_NE(output.find("for 4000 lm of the lamps (+4.8 against 1000 lm)"), std::string::npos) << output;
+  EXPECT_NE(output.find("S = 1.5H"), std::string::npos) << output;
+  std::ifstream csv(folder.path / "x.csv");
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line.substr(0, 28), "x_H,y_H,crosswise_70_50_20,c");
+  std::vector<std::vector<double>> rows;
+  while (std::getline(csv, line)) {
+    std::istringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(std::stod(cell));
+  }
+  ASSERT_EQ(rows.size(), 19u);
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), 12u);
+    for (std::size_t k = 2; k < 7; ++k)
+      EXPECT_EQ(row[k], row[k + 5]);  // a square panel of rotational symmetry
+  }
+  EXPECT_EQ(rows[10][0], 4);
+  EXPECT_EQ(rows[10][1], 8);
+  // For 1000 lm: 8 lg 4 less.
+  ASSERT_EQ(run({"ugr", "panel.ies", "--uncorrected", "-q", "--csv", "y.csv"}), 0) << output;
+  std::ifstream less(folder.path / "y.csv");
+  std::getline(less, line), std::getline(less, line);
+  EXPECT_NEAR(std::stod(line.substr(4)), rows[0][2] - 4.8165, 1e-3);
+  // A modelled luminaire, whose opening is stated: a panel of 0.6 m by 0.6 m and 1000 cd/m^2.
+  folder.write(
+      "modelled.xml",
+      "<scene version='3.0.0'><shape type='rectangle'><transform name='to_world'><scale value='0.3'/><rotate x='1' angle='180'/></transform>"
+      "<emitter type='area'><string name='amount' value='1000 cd/m^2'/></emitter></shape></scene>");
+  ASSERT_EQ(run({"ugr", "modelled.xml", "--spp", "2048", "--opening", "0.6", "0.6", "0", "--gamma-step",
+                 "2.5", "--symmetry", "rotational", "-q", "--csv", "z.csv"}),
+            0)
+      << output;
+  // Its luminance, and so its rating, is that of a file of 360 cos(gamma) cd.
+  std::string cosine = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 73 1 1 2 0.6 0.6 0\n1 1 36\n", angles;
+  for (int i = 0; i <= 72; ++i) {
+    angles += std::to_string(1.25 * i) + (i % 8 == 7 ? "\n" : " ");
+    if (i == 72) cosine += angles + "\n0\n";
+  }
+  for (int i = 0; i <= 72; ++i)
+    cosine +=
+        std::to_string(360 * std::max(0.0, std::cos(1.25 * i * M_PI / 180))) + (i % 8 == 7 ? "\n" : " ");
+  folder.write("cosine.ies", cosine);
+  ASSERT_EQ(run({"ugr", "cosine.ies", "-q", "--csv", "w.csv"}), 0) << output;
+  std::ifstream modelled(folder.path / "z.csv"), by_file(folder.path / "w.csv");
+  std::string other;
+  std::getline(modelled, line), std::getline(by_file, other);
+  for (int i = 0; i < 19; ++i) {
+    std::getline(modelled, line), std::getline(by_file, other);
+    const auto third = [](const std::string& row) {
+      return std::stod(row.substr(row.find(',', row.find(',') + 1) + 1));
+    };
+    EXPECT_NEAR(third(line), third(other), 0.05) << i;
+  }
+}
+
+TEST_F(PhotometryCommand, OptionsOfAMeasurementAreNotForFiles) {
+  folder.write("panel.ies", kPanel);
+  for (const std::vector<std::string>& option : {std::vector<std::string>{"--spp", "4"},
+                                                 {"--c-step", "15"},
+                                                 {"--symmetry", "none"},
+                                                 {"--along", "1", "0", "0"}}) {
+    std::vector<std::string> words{"goniophotometer", "panel.ies", "-o", "x.ldt"};
+    words.insert(words.end(), option.begin(), option.end());
+    refused(words, "a file has its intensities");
+  }
+  // Options that replace what the file states are applied: flux, flux of the lamps, opening, names.
+  ASSERT_EQ(run({"goniophotometer", "panel.ies", "-o", "y.ldt", "--lamp-flux", "8000", "--opening", "1.2",
+                 "0.3", "0.05", "--name", "a panel", "--watts", "30"}),
+            0)
+      << output;
+  const Luminaire l = read_luminaire(folder.path / "y.ldt"),
+                  given = read_luminaire(folder.path / "panel.ies");
+  EXPECT_EQ(l.lamp_flux(), 8000);
+  EXPECT_NEAR(l.distribution.flux(), 2 * given.distribution.flux(), 1e-3 * given.distribution.flux());
+  EXPECT_NEAR(l.opening.size_m[0], 1.2, 1e-9);
+  EXPECT_NEAR(l.opening.size_m[2], 0.05, 1e-9);
+  EXPECT_EQ(l.lamps[0].watts, 30);
+  ASSERT_EQ(run({"goniophotometer", "panel.ies", "-o", "y.ldt", "--flux", "500"}), 0) << output;
+  EXPECT_NEAR(read_luminaire(folder.path / "y.ldt").distribution.flux(), 500, 0.01);
+}
+
 TEST_F(PhotometryCommand, BadInputWritesNothing) {
   folder.write("grid.xml", kGrid);
   folder.write("dark.xml", "<scene version='3.0.0'><shape type='sphere'/></scene>");
@@ -103,6 +225,18 @@ TEST_F(PhotometryCommand, BadInputWritesNothing) {
   refused({"goniophotometer", "broken.ies", "-o", "x.ldt"}, "broken.ies:4:");
   refused({"goniophotometer", "dark.xml", "-o", "x.txt"}, ".ldt");
   refused({"goniophotometer", "dark.xml", "-o", "x.ies", "--gamma-step", "7"}, "must divide 180");
+  refused({"goniophotometer", "dark.xml", "-o", "x.ies", "--lamp-set", "1"}, "lamps of a scene");
+  folder.write("point.ies", "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 90\n0\n100 0\n");
+  folder.write("flood.ies",
+               "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 2 2 2 1 1 0\n1 1 1\n0 90\n0 90\n100 0 100 0\n");
+  refused({"ugr", "point.ies", "--csv", "x.csv"}, "point.ies: the luminaire has no luminous area");
+  refused({"ugr", "flood.ies", "--csv", "x.csv"}, "type C");
+  refused({"ugr", "broken.ies", "--csv", "x.csv"}, "broken.ies:4:");
+  refused({"ugr", "missing.ldt", "--csv", "x.csv"}, "missing.ldt");
+  refused({"ugr", "point.ies", "--opening", "1", "1", "-1", "--csv", "x.csv"}, "--opening");
+  refused({"ugr", "point.ies", "--opening", "1", "1", "0", "--spacing", "0.3", "--csv", "x.csv"},
+          "whole number");
+  refused({"ugr", "dark.xml", "--csv", "x.csv", "--spp", "1"}, "no light");
 }
 
 }  // namespace

@@ -78,6 +78,126 @@ TEST(Measured, ValuesAndDensitiesAreMitsubas) {
   EXPECT_LT(worst_pdf, 2e-4);
 }
 
+/// The file with `parts` wavelengths for each interval of wavelengths, and values on the straight lines between: the same
+/// spectra at more wavelengths.
+RglFile with_more_wavelengths(const RglFile& file, std::size_t parts) {
+  RglFile more = file;
+  const std::size_t area = file.luminance.width * file.luminance.height, n = file.nm.size();
+  more.nm.clear(), more.spectra.clear();
+  for (std::size_t i = 0; i + 1 < n; ++i)
+    for (std::size_t k = 0; k < parts; ++k)
+      more.nm.push_back(std::lerp(file.nm[i], file.nm[i + 1], float(k) / float(parts)));
+  more.nm.push_back(file.nm.back());
+  for (std::size_t slice = 0; slice < file.phi_i.size() * file.theta_i.size(); ++slice)
+    for (std::size_t m = 0; m < more.nm.size(); ++m)
+      for (std::size_t at = 0; at < area; ++at) {
+        const std::size_t i = std::min(m / parts, n - 2);
+        const float* const below = file.spectra.data() + (slice * n + i) * area + at;
+        more.spectra.push_back(std::lerp(below[0], below[area], float(m - i * parts) / float(parts)));
+      }
+  return more;
+}
+
+TEST(Measured, SpectraOfManyWavelengthsAreMitsubasInHalfPrecision) {
+  // 49 to 151 wavelengths are stored in half precision (11 bits) in an order of their own; 121 times as many exceed the bits of
+  // one mask.
+  const SpectralGrid grid = SpectralGrid::over(360, 830);
+  const Spectrum nm = make_spectrum([](int i) {
+    const float of_reference[] = {412.5f, 500.f, 587.3f, 731.f};
+    return of_reference[i % 4];
+  });
+  const Wavelengths w = Wavelengths::at(grid, nm);
+  for (const std::size_t parts : {12u, 37u, 121u}) {
+    double worst = 0, sum = 0;
+    int count = 0;
+    for (const ReferenceLine& l : reference_lines()) {
+      RglNotes notes;
+      const RglFile file = read_rgl_file(measured_data(l.file + ".bsdf"), notes);
+      if (file.nm.empty()) continue;
+      const RglTable table(with_more_wavelengths(file, parts), grid);
+      const BsdfEval both = table.eval_pdf(l.wi, l.wo, w);
+      const Spectrum value = table.value(l.wi, l.wo, w);
+      for (int i = 0; i < kWavelengths; ++i) {
+        const double error = double(value[i]) / l.value[i % 4] - 1;
+        worst = std::max(worst, std::abs(error)), sum += error, ++count;
+        EXPECT_EQ(both.value[i], value[i]);
+      }
+    }
+    ASSERT_GT(count, 0);
+    EXPECT_LT(worst, 4e-4 + 2e-4) << parts;           // rounding of one number, and Mitsuba's own
+    EXPECT_LT(std::abs(sum / count), 5e-5) << parts;  // rounding has no bias
+  }
+}
+
+TEST(Measured, TablesOfManyWavelengthsHoldOutsideTheVisible) {
+  RglNotes notes;
+  const RglFile file = read_rgl_file(measured_data("isotropic_spectral.bsdf"), notes);
+  const SpectralGrid grid = SpectralGrid::over(900, 1000);
+  const RglTable table(with_more_wavelengths(file, 200), grid), few(file, grid);
+  const Wavelengths w = Wavelengths::at(grid, make_spectrum([](int i) { return 901 + 12 * float(i); }));
+  const Spectrum a = table.value({0.3f, 0.1f, 0.9f}, {0, 0.3f, 0.9f}, w),
+                 b = few.value({0.3f, 0.1f, 0.9f}, {0, 0.3f, 0.9f}, w);
+  for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(a[i] / b[i], 1, 6e-4);
+}
+
+TEST(Measured, SmallAndLargeNumbersKeepTheirPrecision) {
+  // Spectra over eight decades, in units from 1e-12 to 1e12: a node's value at its own wavelength.
+  RglNotes notes;
+  const RglFile file = read_rgl_file(measured_data("isotropic_spectral.bsdf"), notes);
+  const SpectralGrid grid = SpectralGrid::over(360, 830);
+  RglFile flat = with_more_wavelengths(file, 20);
+  for (const float unit : {1e-12f, 1.f, 1e12f}) {
+    const std::size_t area = flat.luminance.width * flat.luminance.height, channels = flat.nm.size();
+    for (std::size_t i = 0; i < flat.spectra.size(); ++i)
+      flat.spectra[i] = unit * std::pow(10.f, -8 * float(i / area % channels) / float(channels - 1));
+    flat.is_relative = false;
+    const RglTable table(flat, grid);
+    for (std::size_t c = 0; c + 1 < channels && flat.nm[c] <= 830; ++c) {
+      if (flat.nm[c] < 360) continue;
+      const Wavelengths w = Wavelengths::at(grid, Spectrum(flat.nm[c]));
+      const double expected = double(unit) * std::pow(10.0, -8 * double(c) / double(channels - 1));
+      EXPECT_NEAR(double(table.value({0.3f, 0.1f, 0.9f}, {0, 0.3f, 0.9f}, w)[0]) / expected, 1, 1e-3)
+          << unit << " " << c;
+    }
+  }
+}
+
+TEST(Measured, NegativeValuesAreInterpolatedBeforeTheyCountAsZero) {
+  // Real files have negative values. Nodes of 1 and -0.5 alternate along u: between them a value is positive up to two thirds of
+  // the way, as in RGL's own program; nodes of 1 and 0 would give more.
+  RglNotes notes;
+  for (const char* name : {"isotropic_rgb.bsdf", "isotropic_spectral.bsdf"})
+    for (const std::size_t parts : {1u, 20u}) {
+      RglFile file = read_rgl_file(measured_data(name), notes);
+      if (parts > 1 && file.nm.empty()) continue;
+      if (parts > 1) file = with_more_wavelengths(file, parts);
+      file.is_relative = false;
+      RglFile shifted = file;
+      const std::size_t width = file.luminance.width;
+      for (std::size_t i = 0; i < file.spectra.size(); ++i) {
+        file.spectra[i] = (i % width) % 2 == 0 ? 1.f : -0.5f;
+        shifted.spectra[i] = file.spectra[i] + 0.5f;  // never negative
+      }
+      const SpectralGrid grid = SpectralGrid::over(360, 830);
+      const RglTable table(file, grid), above(shifted, grid);
+      const Wavelengths w = Wavelengths::at(grid, make_spectrum([](int i) { return 400 + 40 * float(i); }));
+      int zeros = 0, others = 0;
+      for (std::uint64_t k = 0; k < 200; ++k) {
+        const auto u = [&](std::uint64_t n) { return unit_float(std::uint32_t(mix_bits(4 * k + n))); };
+        const Vec3 wi = square_to_cosine_hemisphere({u(0), u(1)}),
+                   wo = square_to_cosine_hemisphere({u(2), u(3)});
+        const Spectrum a = table.value(wi, wo, w), b = above.value(wi, wo, w);
+        for (int i = 0; i < kWavelengths; ++i) {
+          // Three primaries add up to one but for 1e-3.
+          EXPECT_NEAR(a[i], std::max(b[i] - 0.5f, 0.f), 2e-3) << name;
+          ++(a[i] > 0 ? others : zeros);
+        }
+      }
+      EXPECT_GT(zeros, 100);
+      EXPECT_GT(others, 100);
+    }
+}
+
 TEST(Measured, WarpsAreInvertedAndIntegrateToOne) {
   std::vector<float> values(2 * 5 * 4);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = float((i * 7) % 11) / 11;

@@ -27,7 +27,8 @@ FUNCTIONS = {"color": "color", "compare": "compare", "convert": "convert", "conv
              "droplet-size": "droplet_size", "expose": "expose", "goniometer": "goniometer", "goniophotometer": "goniophotometer",
              "illumination": "illumination", "info": "info", "layer": "layer", "lens": "lens", "lightfield": "lightfield",
              "medium": "medium", "microstructure": "microstructure", "photometry": "photometry", "powermap": "powermap",
-             "render": "render", "rings": "rings", "spectrophotometer": "spectrophotometer", "spectroradiometer": "spectroradiometer"}
+             "render": "render", "rings": "rings", "spectrophotometer": "spectrophotometer", "spectroradiometer": "spectroradiometer",
+             "ugr": "ugr"}
 PACKAGES = {"cache": "aureole.cache", "pigment": "aureole.pigment", "cluster": "aureole.cluster"}
 COMMAND_LINE_ONLY = {"bake", "docs", "gallery", "list", "merge"}
 

@@ -90,6 +90,19 @@ def test_power_through_cells(folder):
     assert found.regions[0].total == pytest.approx(628.3185 * 0.02**2, rel=2e-3)
 
 
+def test_means_on_a_shape(folder):
+    """Cells of a ball count by their areas: a quarter of the illuminance of parallel light in the mean."""
+    scene = aureole.load_string("""<scene version="3.0.0"><integrator type="direct"/><shape type="sphere"><bsdf type="diffuse"/><sensor type="powermap">
+      <string name="measure" value="irradiance"/><film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="6"/>
+      <string name="quantity" value="illuminance"/></film></sensor></shape>
+      <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/><string name="amount" value="2 klx"/></emitter></scene>""")
+    found = aureole.photometry(scene, 1024, progress=False)
+    assert found.regions[0].mean == pytest.approx(500, rel=2e-3)
+    assert found.values.mean() == pytest.approx(2000 * (1 + math.sqrt(3) + 1) / 12, rel=2e-3)
+    assert aureole.photometry(found.image, scene=scene).regions[0].mean == found.regions[0].mean
+    assert aureole.photometry(found.image).regions[0].mean == pytest.approx(found.values.mean())
+
+
 def test_glare_and_daylight(folder):
     scene = """<scene version="3.0.0"><integrator type="path"/><sensor type="{sensor}"><film type="hdrfilm"><integer name="width" value="64"/>
       <integer name="height" value="64"/><string name="quantity" value="{quantity}"/><rfilter type="box"/></film>
@@ -132,6 +145,54 @@ def test_goniophotometer(folder):
         aureole.goniophotometer(folder / "lamp.xml", c_step=70, progress=False)
     with pytest.raises(aureole.Error, match='ends with ".ies" or ".ldt"'):
         found.save(folder / "a.txt")
+    # Options of a measurement are errors beside a file; those that replace what the file states are applied.
+    for wrong in ({"spp": 256}, {"c_step": 30}, {"symmetry": "c0"}, {"down": (0, 0, 1)}, {"along": (1, 0, 0)}, {"seed": 3}, {"integrator": "path"}):
+        with pytest.raises(aureole.Error, match="is for a scene"):
+            aureole.goniophotometer(folder / "ours.ldt", **wrong)
+    with pytest.raises(aureole.Error, match="lamp_set: is for an EULUMDAT file"):
+        aureole.goniophotometer(folder / "lamp.xml", 4, lamp_set=1, progress=False)
+    changed = aureole.goniophotometer(folder / "ours.ldt", flux=250, opening=(0.5, 0.2, 0.1), name="half", maker="me")
+    assert changed.flux == pytest.approx(250) and changed.opening == (0.5, 0.2, 0.1)
+    assert changed.keywords["LUMINAIRE"] == changed.keywords["LUMCAT"] == "half" and changed.keywords["MANUFAC"] == "me"
+
+
+def test_ugr(folder):
+    """The program's table; luminaires that are measured, read, or given as results."""
+    cosine = " ".join(f"{360 * math.cos(math.radians(1.25 * i)):.5g}" for i in range(72)) + " 0"
+    gamma = " ".join(str(1.25 * i) for i in range(73))
+    (folder / "panel.ies").write_text(f"IESNA:LM-63-2002\nTILT=NONE\n1 4000 1 73 1 1 2 0.6 0.6 0\n1 1 36\n{gamma}\n0\n{cosine}\n")
+    found = aureole.ugr(folder / "panel.ies")
+    program(folder, "ugr", "panel.ies", "--csv", "theirs.csv")
+    theirs = np.loadtxt(folder / "theirs.csv", delimiter=",", skiprows=1)
+    assert rows_of(found)[0] == (folder / "theirs.csv").read_text().splitlines()[0].split(",")
+    np.testing.assert_allclose([[float(v) for v in row] for row in rows_of(found)[1:]], theirs, atol=2e-3)
+    assert found.flux == 4000 and found.is_of_lamps and found.correction == pytest.approx(8 * math.log10(4))
+    assert found.rooms[10].tolist() == [4, 8] and found.reflectances[4].tolist() == [0.3, 0.3, 0.2] and found.background.shape == (2, 19, 5)
+    assert [v.spacing for v in found.variations] == [1, 1.5, 2] and all(v.crosswise[0] < v.crosswise[1] for v in found.variations)
+    less = aureole.ugr(folder / "panel.ies", uncorrected=True)
+    np.testing.assert_allclose(less.endwise, found.endwise - found.correction, atol=1e-9)
+    np.testing.assert_allclose(less.background, found.background / 4, rtol=1e-9)
+    assert less.flux == 1000 and less.correction == 0
+    # Of even light on each surface, and of the radiosity of patches: backgrounds differ by some percent, ratings by some tenths.
+    patches = aureole.ugr(folder / "panel.ies", background="patches")
+    assert 0.01 < np.abs(patches.background / found.background - 1).max() < 0.2
+    np.testing.assert_allclose(patches.crosswise - found.crosswise, -8 * np.log10(patches.background[0] / found.background[0]), atol=1e-9)
+    # A result of goniophotometer, by its text of six digits.
+    data = aureole.goniophotometer(folder / "panel.ies")
+    np.testing.assert_allclose(aureole.ugr(data).crosswise, found.crosswise, atol=1e-4)
+    assert "4000 lm of the lamps" in found._repr_html_() and found._repr_html_().count("<tr>") == 20
+    plotted(found), plotted(found, reflectances=3)
+    with pytest.raises(aureole.Error, match=r"lamp\.xml: the luminaire has no luminous area, .*: state it by opening"):
+        aureole.ugr(folder / "lamp.xml", spp=4, c_step=90, gamma_step=5, progress=False)
+    measured = aureole.ugr(folder / "lamp.xml", spp=4, c_step=90, gamma_step=5, opening=(0.1, 0.1, 0), progress=False)
+    assert not measured.is_of_lamps and measured.flux == pytest.approx(500, rel=0.02)
+    assert np.isneginf(measured.crosswise).all()  # a beam of 20 degrees dazzles nobody
+    with pytest.raises(aureole.Error, match="opening: is for a file or a scene"):
+        aureole.ugr(data, opening=(1, 1, 0))
+    with pytest.raises(aureole.Error, match="whole number"):
+        aureole.ugr(data, spacing=0.3)
+    with pytest.raises(aureole.Error, match='background: expected "uniform" or "patches"'):
+        aureole.ugr(data, background="traced")
 
 
 def test_illumination(folder):

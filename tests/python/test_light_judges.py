@@ -2,7 +2,7 @@
 """Other programs judge luminaires: `pyldt` (PyPI eulumdat-py) reads and writes EULUMDAT, Radiance (PyPI pyradiance) computes
 illuminances. Both run beside aureole and are never shipped; a test whose judge is not installed is skipped:
 
-    pip install eulumdat-py pyradiance
+    pip install eulumdat-py eulumdat-ugr pyradiance
 """
 import importlib.util
 import math
@@ -96,6 +96,26 @@ def test_eulumdat_of_all_symmetries(tmp_path, symmetry):
         expected = [2.5 * intensity(0 if symmetry == 1 else azimuth, g) for g in gamma]
         np.testing.assert_allclose(candela(ours, azimuth), expected, rtol=1e-3, err_msg=f"C {azimuth}")
     assert ours.lamp_flux == 2500 and ours.opening[:2] == (1.1, 0.2)
+
+
+def test_tables_of_ugr(repository, tmp_path):
+    """`eulumdat-ugr` (PyPI) has the transfer factors, multipliers and position index of CIE 117 and CIE 190 as tables."""
+    pytest.importorskip("pyldt", reason="the reader of the judge of UGR is missing: pip install eulumdat-py")
+    judge = pytest.importorskip("eulumdat_ugr", reason="the judge of UGR is missing: pip install eulumdat-ugr")
+    from pyldt import LdtReader
+
+    panel = "IESNA:LM-63-2002\nTILT=NONE\n1 4000 1 10 3 1 2 {} 0\n1 1 36\n0 10 20 30 40 50 60 70 80 90\n0 45 90\n"
+    halves = ("900 890 850 790 690 540 350 170 60 0\n", "900 885 830 750 640 480 290 130 40 0\n", "900 880 810 720 590 420 240 100 30 0\n")
+    for opening in ("0.3 1.2", "0.6 0.6", "-0.2 -0.2"):
+        (tmp_path / "a.ies").write_text(panel.format(opening) + "".join(halves if opening[0] != "-" else halves[:1] * 3))
+        lamp = aureole.goniophotometer(tmp_path / "a.ies")
+        lamp.save(tmp_path / "a.ldt")
+        for spacing in (0.25, 1.0):
+            found = aureole.ugr(lamp, spacing=spacing)
+            theirs = judge.UgrCalculator.compute(LdtReader.read(tmp_path / "a.ldt"), spacing).values
+            difference = np.concatenate([found.crosswise, found.endwise], axis=1) - theirs
+            # The formula of the position index and exact direct fluxes instead of tables: record 0201.
+            assert np.abs(difference).max() < 0.5 and abs(difference.mean()) < 0.3, (opening, spacing, difference)
 
 
 def lux(file, points, opening, spp):

@@ -39,7 +39,7 @@ std::string half_plane(int pieces, const std::string& width, int samples,
              R"("/></transform><bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)";
   }
   return R"(<integrator type="path"><integer name="max_depth" value="3"/><boolean name="diffraction" value="true"/>
-    <string name="beam_width" value=")" +
+    <string name="diffraction_model" value="beams"/><string name="beam_width" value=")" +
          width + R"("/></integrator>
   <sensor type="orthographic"><transform name="to_world"><scale x="0.004" y="0.004"/>
     <lookat origin=")" +
@@ -204,7 +204,7 @@ TEST(RenderedEdge, ShadowsOfADiscAndABallAreRound) {
   const auto light = [](const char* shape, int samples) {
     return render(
         R"(<integrator type="path"><integer name="max_depth" value="3"/><boolean name="diffraction" value="true"/>
-    <string name="beam_width" value="0.2mm"/></integrator>
+    <string name="diffraction_model" value="beams"/><string name="beam_width" value="0.2mm"/></integrator>
   <sensor type="orthographic"><transform name="to_world"><scale x="0.001" y="0.001"/>
     <lookat origin="0.0012, 0.0012, -0.5" target="0.0012, 0.0012, -1" up="0, 1, 0"/></transform>
     <film type="specfilm"><integer name="width" value="4"/><integer name="height" value="4"/><rfilter type="box"/>
@@ -250,7 +250,7 @@ TEST(RenderedEdge, FarFieldOfAStarIsFraunhofers) {
   constexpr int kPixels = 10;
   const Picture p = render(
       R"(<string name="length_unit" value="mm"/><integrator type="path"><integer name="max_depth" value="3"/>
-      <boolean name="diffraction" value="true"/><string name="beam_width" value="fresnel 15m"/></integrator>
+      <boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="fresnel 15m"/></integrator>
     <sensor type="orthographic"><transform name="to_world"><scale x="75" y="75"/>
       <lookat origin="0, 0, -29990" target="0, 0, -30000" up="0, 1, 0"/></transform>
       <film type="specfilm"><integer name="width" value="10"/><integer name="height" value="10"/><rfilter type="box"/>
@@ -336,7 +336,7 @@ std::shared_ptr<const Scene> sheet_and_block() {
   return load_scene_from_string(
              R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>
                <integrator type="path"><boolean name="diffraction" value="true"/>
-                 <string name="beam_width" value="4 wavelengths"/></integrator>
+                 <string name="diffraction_model" value="beams"/><string name="beam_width" value="4 wavelengths"/></integrator>
                <sensor type="perspective"><film type="hdrfilm"/></sensor>
                <shape type="rectangle"><transform name="to_world"><scale value="100"/></transform></shape>
                <shape type="cube"><transform name="to_world"><scale value="30"/><translate x="200" z="10"/></transform></shape>
@@ -416,7 +416,7 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
 TEST(SceneEdges, ThoseInShadowAreSeldomChosen) {
   const auto scene = load_scene_from_string(
                          R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>
-            <integrator type="path"><boolean name="diffraction" value="true"/></integrator>
+            <integrator type="path"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/></integrator>
             <sensor type="perspective"><film type="hdrfilm"/></sensor>
             <shape type="cube"><transform name="to_world"><scale value="30"/><translate x="200"/></transform></shape>
             <shape type="cube"><transform name="to_world"><scale value="30"/><translate x="-200"/></transform></shape>
@@ -526,7 +526,7 @@ TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
 TEST(SceneEdges, KNearCornersAndParallelEdgesIsNearlyKellers) {
   const auto scene = load_scene_from_string(
                          R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>
-<integrator type="path"><boolean name="diffraction" value="true"/><string name="beam_width" value="10um"/></integrator>
+<integrator type="path"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="10um"/></integrator>
 <sensor type="orthographic"><film type="hdrfilm"><float name="wavelength_min" value="549"/><float name="wavelength_max" value="551"/>
 <string name="response" value="uniform"/></film></sensor>
 <shape type="rectangle"><transform name="to_world"><scale x="100" y="25"/></transform></shape></scene>)",
@@ -563,7 +563,7 @@ TEST(BeamWidth, IsReadWithItsUnit) {
     EXPECT_THROW(BeamWidth::parse(bad), Error) << bad;
   const std::string message =
       test::errors_of_file(
-          "<scene version=\"3.0.0\">\n<integrator type=\"path\"><string name=\"beam_width\" value=\"3 parsecs\"/></integrator>"
+          "<scene version=\"3.0.0\">\n<integrator type=\"path\"><string name=\"diffraction_model\" value=\"beams\"/><string name=\"beam_width\" value=\"3 parsecs\"/></integrator>"
           "<sensor type=\"perspective\"/></scene>")
           .at(0);
   EXPECT_NE(message.find("beam_width"), std::string::npos) << message;

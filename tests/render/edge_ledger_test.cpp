@@ -38,7 +38,7 @@ std::shared_ptr<const Scene> in_beams_of(double wavelengths, double unit_um, con
   return load_scene_from_string(
              "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"" + std::to_string(unit_um) +
                  "um\"/><integrator type=\"path\"><boolean name=\"diffraction\" value=\"true\"/>"
-                 "<string name=\"beam_width\" value=\"" +
+                 "<string name=\"diffraction_model\" value=\"beams\"/><string name=\"beam_width\" value=\"" +
                  std::to_string(wavelengths) +
                  "\"/></integrator><sensor type=\"perspective\"><sampler type=\"sobol\"/><film type=\"hdrfilm\"/></sensor>" +
                  shapes + "</scene>",
@@ -411,15 +411,16 @@ TEST(EdgeLedger, WaysFarFromEdgesLendNothing) {
 /// beside the obstacle goes on for as much before it hits the sphere.
 Picture around(const std::string& obstacle, const char* reflectance, const char* integrator,
                bool diffraction) {
-  return render(std::string(R"(<string name="length_unit" value="20um"/><integrator type=")") + integrator +
-                R"("><boolean name="diffraction" value=")" + (diffraction ? "true" : "false") +
-                R"("/><string name="beam_width" value="12 wavelengths"/></integrator>)" + obstacle +
-                R"(<bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value=")" +
-                reflectance +
-                R"("/></bsdf></bsdf></shape>
+  return render(
+      std::string(R"(<string name="length_unit" value="20um"/><integrator type=")") + integrator +
+      R"("><boolean name="diffraction" value=")" + (diffraction ? "true" : "false") +
+      R"("/><string name="diffraction_model" value="beams"/><string name="beam_width" value="12 wavelengths"/></integrator>)" +
+      obstacle + R"(<bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value=")" +
+      reflectance +
+      R"("/></bsdf></bsdf></shape>
   <shape type="sphere"><float name="radius" value="3"/><boolean name="flip_normals" value="true"/>
     <bsdf type="null"/><sensor type="irradiancemeter"><sampler type="sobol"><integer name="sample_count" value=")" +
-                (kSanitized ? "16" : test::effort("4096", "65536")) + R"("/></sampler>
+      (kSanitized ? "16" : test::effort("4096", "65536")) + R"("/></sampler>
       <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
         <float name="wavelength_min" value="500"/><float name="wavelength_max" value="600"/>
         <integer name="bins" value="1"/><boolean name="preview" value="false"/><rfilter type="box"/></film>

@@ -61,7 +61,7 @@ inline testing::Picture measured(const std::string& scene, const EdgeMethod& by,
       load_scene_from_string(fmt::format(
                                  R"(<scene version="3.0.0"><string name="length_unit" value="20um"/>
   <integrator type="{}"><integer name="max_depth" value="{}"/><boolean name="diffraction" value="{}"/>
-    <string name="beam_width" value="2 wavelengths"/></integrator>
+    <string name="diffraction_model" value="beams"/><string name="beam_width" value="2 wavelengths"/></integrator>
   {}<sampler type="sobol"><integer name="sample_count" value="{}"/></sampler>
     <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/><rfilter type="box"/>
       <float name="wavelength_min" value="540"/><float name="wavelength_max" value="560"/>

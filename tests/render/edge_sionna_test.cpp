@@ -143,7 +143,7 @@ const Line kLines[] = {
 
 /// Edges in beams of about the first zone of Fresnel: 4 m is the distance D of docs/diffraction_beams.md, about.
 constexpr const char* kBeams =
-    R"(<integer name="max_depth" value="2"/><string name="beam_width" value="fresnel 4m"/>)";
+    R"(<integer name="max_depth" value="2"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="fresnel 4m"/>)";
 /// Segments, with direct light and what edges diffract alone.
 constexpr const char* kSoftSegments =
     R"(<integer name="max_depth" value="1"/><string name="diffraction_model" value="segments"/>

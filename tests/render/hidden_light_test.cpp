@@ -12,7 +12,7 @@ testing::Picture seen_beside_the_edge(const std::string& between) {
   return testing::render(
       load_scene_from_string(fmt::format(R"(<scene version="3.0.0"><string name="length_unit" value="20um"/>
   <integrator type="path"><integer name="max_depth" value="2"/><boolean name="hide_emitters" value="true"/>
-    <boolean name="diffraction" value="true"/><string name="beam_width" value="2 wavelengths"/></integrator>
+    <boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="2 wavelengths"/></integrator>
   <sensor type="orthographic"><transform name="to_world"><scale x="0.06" y="0.3"/>
       <lookat origin="0.07, 0, 2" target="0.07, 0, 0" up="0, 1, 0"/></transform>
     <sampler type="sobol"><integer name="sample_count" value="64"/></sampler>

@@ -41,7 +41,7 @@ std::string sheet_in_pieces(int pieces) {
 std::string integrator(const char* type, int depth) {
   return "<integrator type='" + std::string(type) + "'><integer name='max_depth' value='" +
          std::to_string(depth) +
-         "'/><boolean name='diffraction' value='true'/><string name='beam_width' value='25 wavelengths'/></integrator>";
+         "'/><boolean name='diffraction' value='true'/><string name='diffraction_model' value='beams'/><string name='beam_width' value='25 wavelengths'/></integrator>";
 }
 std::string film(int samples) {
   return R"(<film type="specfilm"><integer name="width" value="8"/><integer name="height" value="8"/><rfilter type="box"/>

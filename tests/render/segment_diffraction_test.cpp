@@ -688,6 +688,103 @@ TEST(SegmentDiffraction, WedgesOfMetalHaveTwoPolarisations) {
   EXPECT_NEAR(hard_at_21, 3.68, 0.1);
 }
 
+/// Returns the loss [dB] at a receiver by obstacles in a scene of metres at 3 GHz, or rather 0.1 m, with that polarisation.
+double loss_of(const std::string& obstacles, const std::string& polarisation, Vec3 lamp, Vec3 receiver) {
+  const auto fluence = [&](const std::string& shapes) {
+    return render(
+               fmt::format(
+                   R"(<integrator type="path"><integer name="max_depth" value="1"/><boolean name="diffraction" value="true"/>
+    <string name="diffraction_polarisation" value="{}"/></integrator>
+  <sensor type="powermap"><transform name="to_world"><scale x="1e-3" y="1e-3"/><translate x="{}" y="{}" z="{}"/></transform>
+    <string name="measure" value="fluence"/>
+    <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
+      <string name="wavelength_min" value="99.999mm"/><string name="wavelength_max" value="100.001mm"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/><rfilter type="box"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="1"/></sampler></sensor>
+  <emitter type="point"><point name="position" x="{}" y="{}" z="{}"/><spectrum name="intensity" value="1"/></emitter>)",
+                   polarisation, receiver.x, receiver.y, receiver.z, lamp.x, lamp.y, lamp.z) +
+               shapes)
+        .mean[0];
+  };
+  return 10 * std::log10(fluence(obstacles) / fluence(""));
+}
+
+// Blocks of metal 0.3 to 8 wavelengths thick, whose two edges diffract light one after the other along the roof between them, against a
+// boundary integral equation (tests/render/references/metal_block.py, which also says what the numbers are).
+TEST(SegmentDiffraction, BlocksOfMetalHaveTwoPolarisations) {
+  constexpr double kMetre = 0.1;  // wavelength
+  struct Reference {
+    double thickness, alpha, beta, soft, hard;
+  };
+  const Reference references[] = {
+      {0.3, 10, -20, -0.17, -0.07},  {0.3, 10, -4, -11.56, -9.36},  {0.3, 10, -1, -13.71, -11.17},
+      {0.3, 10, 1, -15.05, -12.44},  {0.3, 10, 4, -16.93, -13.64},  {0.3, 10, 15, -23.02, -18.38},
+      {0.3, 10, 25, -27.43, -20.48}, {0.3, 10, 40, -33.13, -22.67}, {1, 10, -20, -0.49, -0.13},
+      {1, 10, -4, -12.78, -9.42},    {1, 10, -1, -15.09, -11.32},   {1, 10, 1, -16.55, -12.49},
+      {1, 10, 4, -18.64, -13.75},    {1, 10, 15, -25.45, -18.50},   {1, 10, 25, -30.60, -21.99},
+      {1, 10, 40, -37.25, -23.82},   {3, 10, -20, -1.32, -0.45},    {3, 10, -4, -14.85, -9.48},
+      {3, 10, -1, -17.45, -11.48},   {3, 10, 1, -19.13, -12.50},    {3, 10, 4, -21.56, -14.14},
+      {3, 10, 15, -29.57, -19.23},   {3, 10, 25, -35.68, -22.96},   {3, 10, 40, -43.33, -26.36},
+      {8, 2, -20, 2.12, 0.10},       {8, 2, -4, -9.87, -4.43},      {8, 2, -1, -12.95, -6.36},
+      {8, 2, 1, -15.03, -7.90},      {8, 2, 4, -18.09, -9.98},      {8, 2, 15, -28.22, -15.64},
+      {8, 2, 25, -35.51, -20.62},    {8, 2, 40, -44.16, -23.77},    {8, 15, -20, -7.93, -4.14},
+      {8, 15, -4, -22.52, -12.35},   {8, 15, -1, -25.36, -14.27},   {8, 15, 1, -27.29, -15.39},
+      {8, 15, 4, -30.03, -17.04},    {8, 15, 15, -39.24, -22.49},   {8, 15, 25, -45.89, -26.45},
+      {8, 15, 40, -55.08, -31.38},   {3, -10, 4, -4.18, -1.90},     {3, -10, 8, -7.70, -4.50},
+      {3, -10, 15, -13.90, -8.83},   {3, -10, 25, -21.65, -14.16},  {3, -10, 40, -30.59, -18.21},
+  };
+  double worst[2][2] = {}, worst_without[2] = {};
+  for (const Reference& r : references) {
+    const double a = r.alpha * M_PI / 180, b = r.beta * M_PI / 180, thickness = r.thickness * kMetre;
+    const Vec3 lamp{float(-2 * std::cos(a)), 0, float(-2 * std::sin(a))};
+    const Vec3 receiver{float(thickness + 2 * std::cos(b)), 0, float(-2 * std::sin(b))};
+    const std::string block = fmt::format(
+        R"(<shape type="cube"><transform name="to_world"><scale x="{}" y="4000" z="2000"/><translate x="{}" z="-2000"/></transform>
+    <bsdf type="conductor"><string name="material" value="none"/></bsdf></shape>)",
+        thickness / 2, thickness / 2);
+    if (kSanitized && r.thickness != 3) continue;
+    const double without = loss_of(block, "none", lamp, receiver);
+    for (const bool is_hard : {false, true}) {
+      const double expected = is_hard ? r.hard : r.soft;
+      const double off = loss_of(block, is_hard ? "hard" : "soft", lamp, receiver) - expected;
+      std::printf(
+          "%4.1f wavelengths, %3g and %3g degrees, %s: %6.2f dB, off by %+.2f, without polarisation by %+.2f\n",
+          r.thickness, r.alpha, r.beta, is_hard ? "hard" : "soft", expected, off, without - expected);
+      double& largest = worst[is_hard][std::abs(r.beta) > 20];
+      largest = std::max(largest, std::abs(off));
+      worst_without[is_hard] = std::max(worst_without[is_hard], std::abs(without - expected));
+    }
+  }
+  EXPECT_LT(worst[0][0], 1.2);
+  EXPECT_LT(worst[0][1], 3.5);
+  EXPECT_LT(worst[1][0], 1);
+  EXPECT_LT(worst[1][1], 2.5);
+  if (kSanitized) return;
+  EXPECT_GT(worst_without[0], 10);
+  EXPECT_GT(worst_without[1], 4);
+}
+
+// Far in the shadow of a half plane, 40 to 73 dB below free space, by Keller's coefficient for light that turns by the angle theta,
+// K = lambda/(16 pi^2 sin^2(theta/2)) of an endless edge.
+TEST(SegmentDiffraction, DeepShadows) {
+  const std::string wall =
+      R"(<shape type="rectangle"><transform name="to_world"><scale x="20000" y="40000"/><rotate y="1" angle="90"/><translate z="-20000"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)";
+  for (const double v : {-25.0, -60.0, -70.0, -100.0, -200.0, -300.0}) {
+    // Lamp and receiver lie at equal distances, as far below the edge: delta = v^2 lambda/4.
+    constexpr double kHalf = 1000, kWavelengthHere = 0.1;
+    const double detour = v * v * kWavelengthHere / 4,
+                 depth = std::sqrt(std::pow(kHalf + detour / 2, 2) - kHalf * kHalf);
+    const double sine = depth / std::hypot(kHalf, depth), reach = std::hypot(kHalf, depth);
+    const double expected = 10 * std::log10(kWavelengthHere / std::pow(4 * M_PI * sine, 2) * 4 * kHalf *
+                                            kHalf / (2 * reach * reach * reach));
+    const double measured =
+        loss_of(wall, "none", {float(-kHalf), 0, float(-depth)}, {float(kHalf), 0, float(-depth)});
+    std::printf("half plane, v = %g: %.2f dB, by Keller's coefficient %.2f\n", v, measured, expected);
+    EXPECT_NEAR(measured, expected, 0.1) << v;
+  }
+}
+
 // Blocks of concrete, of glass and of plastic: the factor of a wedge over a half plane that absorbs, by the cotangents of Keller's coefficient and
 // Fresnel's formulae with the permittivity of ITU-R P.2040-3 (Luebbers 1984), where both are far from the boundaries of shadow and reflection.
 TEST(SegmentDiffraction, WedgesOfMaterials) {
@@ -853,12 +950,12 @@ TEST(SegmentDiffraction, LargeAngles) {
     };
     return 10 * std::log10(radiance(shape) / radiance(""));
   };
-  // A wall x = 0 below z = 0, `half` to both sides, in `pieces` rectangles.
+  // A wall x = 0 below z = 0, `half` to both sides, in `pieces` rectangles. Its other edges lie beyond the window.
   const auto wall = [&](double half, int pieces) {
     std::string text;
     for (int i = 0; i <= pieces; ++i) {
       const double y = half * (2.0 * i / pieces - 1);
-      text += fmt::format("v 0 {0} -500\nv 0 {0} 0\n", y);
+      text += fmt::format("v 0 {0} -6000\nv 0 {0} 0\n", y);
     }
     for (int i = 0; i < pieces; ++i)
       text += fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2);
@@ -870,8 +967,8 @@ TEST(SegmentDiffraction, LargeAngles) {
   const double expected = 10 * std::log10(wavelength / std::pow(4 * M_PI * std::sin(angle / 2), 2) *
                                           (std::pow(300 + x, 2) + z * z) / (300.0 * 3 * 303));
   for (const int pieces : {1, 4, 64}) {
-    const double measured = loss(wall(300, pieces), -300, 0, x, z);
-    std::printf("edge of 600 m in %d pieces, at 60 degrees: %.2f dB (%.2f)\n", pieces, measured, expected);
+    const double measured = loss(wall(6000, pieces), -300, 0, x, z);
+    std::printf("edge of 12 km in %d pieces, at 60 degrees: %.2f dB (%.2f)\n", pieces, measured, expected);
     if (!kSanitized) EXPECT_NEAR(measured, expected, 0.3) << pieces;
   }
   // Behind a block 20 m thick and 15 m high, 1.5 m above the ground, the lamp lower and higher than its top. No steps, and at
@@ -1083,10 +1180,10 @@ TEST(SegmentDiffraction, BadInput) {
     }
     return "";
   };
-  const std::string on = R"(<boolean name="diffraction" value="true"/>
-      <string name="diffraction_model" value="segments"/>)";
+  // "segments" is the default.
+  const std::string on = R"(<boolean name="diffraction" value="true"/>)";
   EXPECT_NE(error_of(R"(<integrator type="bdpt"><boolean name="diffraction" value="true"/>
-      <string name="diffraction_polarisation" value="soft"/></integrator>)")
+      <string name="diffraction_model" value="beams"/><string name="diffraction_polarisation" value="soft"/></integrator>)")
                 .find("belongs to the diffraction model \"segments\""),
             std::string::npos);
   EXPECT_NE(error_of(R"(<integrator type="path">)" + on +

@@ -39,7 +39,7 @@ Mean luminance(const std::string& scene, const std::string& integrator, int samp
   const std::string text = fmt::format(
       R"(<string name="length_unit" value="20um"/>
   <integrator type="{}">{}<boolean name="diffraction" value="{}"/>
-    <string name="beam_width" value="{} wavelengths"/>{}</integrator>
+    <string name="diffraction_model" value="beams"/><string name="beam_width" value="{} wavelengths"/>{}</integrator>
   <sensor type="perspective"><float name="fov" value="{}"/>
     <transform name="to_world"><lookat origin="0, -3.9, -0.4" target="0, 0, -0.4" up="0, 0, 1"/></transform>
     <sampler type="independent"><integer name="sample_count" value="{}"/></sampler>

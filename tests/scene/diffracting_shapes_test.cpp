@@ -28,7 +28,7 @@ std::string scene_of(const std::string& shapes, const std::string& width = "25 w
   return R"(<scene version="3.0.0"><integrator type="path"><boolean name="diffraction" value=")" +
          diffraction +
          R"("/>
-<string name="beam_width" value=")" +
+<string name="diffraction_model" value="beams"/><string name="beam_width" value=")" +
          width + R"("/></integrator>
 <sensor type="perspective"><film type="hdrfilm"><float name="wavelength_min" value="549"/><float name="wavelength_max" value="551"/>
 <string name="response" value="uniform"/></film></sensor>

@@ -20,7 +20,7 @@ using test::Triangles;
 /// A scene in um with light of .5 um and beams of 12.5 um, of rectangles of half widths (x, y) about a middle.
 std::shared_ptr<const Scene> scene_of(const std::string& shapes) {
   return load_scene_from_string(
-             R"(<scene version="3.0.0"><string name="length_unit" value="1um"/><integrator type="path"><boolean name="diffraction" value="true"/></integrator>
+             R"(<scene version="3.0.0"><string name="length_unit" value="1um"/><integrator type="path"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/></integrator>
 <sensor type="perspective"><film type="hdrfilm"><float name="wavelength_min" value="499"/><float name="wavelength_max" value="501"/>
 <string name="response" value="uniform"/></film></sensor>
 <emitter type="point"><point name="position" x="0" y="0" z="9000"/><spectrum name="intensity" value="1"/></emitter>)" +

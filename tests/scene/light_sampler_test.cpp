@@ -259,6 +259,69 @@ TEST(LightSampler, ChoicesFollowTheTime) {
   }
 }
 
+// Twenty lamps of modulations of their own, of which the brightest come last in the file: choices follow the fifteen with most power.
+TEST(LightSampler, TheStrongestModulationsAreFollowed) {
+  std::string text;
+  for (int k = 1; k <= 20; ++k)
+    text +=
+        "<emitter type=\"point\">" + vec("position", {float(k % 5), float(k / 5), 0}) +
+        "<float name=\"intensity\" value=\"" + std::to_string(k) +
+        "\"/><modulation type=\"wave\"><string name=\"waveform\" value=\"square\"/><float name=\"frequency\" value=\"1\"/>"
+        "<float name=\"duty\" value=\"0.5\"/></modulation></emitter>";
+  const auto scene = load_scene_from_string(
+                         "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\">"
+                         "<float name=\"shutter_close\" value=\"1\"/><film type=\"hdrfilm\"/></sensor>" +
+                             text + "</scene>",
+                         "lights.xml")
+                         .scene;
+  ASSERT_EQ(scene->emitters().size(), 20u);
+  const float off = 0.75f;
+  std::size_t followed = 0;
+  for (const Light& light : scene->emitters()) {
+    const double intensity = double(light.index) + 1;
+    const float power = scene->lights().probability_by_power(light, 0, off);
+    const float here = scene->lights().probability({2, 2, 3}, {0, 0, -1}, light, 0, off);
+    EXPECT_EQ(power > 0, intensity <= 5) << intensity;
+    EXPECT_EQ(here > 0, intensity <= 5) << intensity;
+    followed += power == 0;
+  }
+  EXPECT_EQ(followed, 15u);
+}
+
+// A segment finds the pivots of lights that emit at its time.
+TEST(LightSampler, PivotsOfSegmentsFollowTheTime) {
+  const auto square = [](const char* phase) {
+    return "<modulation type=\"wave\"><string name=\"waveform\" value=\"square\"/><float name=\"frequency\" value=\"1\"/>"
+           "<float name=\"duty\" value=\"0.5\"/><float name=\"phase\" value=\"" +
+           std::string(phase) + "\"/></modulation></emitter>";
+  };
+  const auto lamp = [](float x) {
+    return "<emitter type=\"point\">" + vec("position", {x, 1, 0}) +
+           "<float name=\"intensity\" value=\"1\"/>";
+  };
+  const auto scene =
+      load_scene_from_string(
+          "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\">"
+          "<float name=\"shutter_close\" value=\"1\"/><film type=\"hdrfilm\"/></sensor>" +
+              lamp(-1) + square("0") + lamp(1) + square("0.5") + lamp(3) + "</emitter></scene>",
+          "lights.xml")
+          .scene;
+  const Ray ray{{-4, 0, 0}, {1, 0, 0}, kInfinity};
+  for (const float time : {0.25f, 0.75f}) {
+    std::map<float, int> count;
+    constexpr int kSamples = 3000;
+    for (int i = 0; i < kSamples; ++i) {
+      const EmissionBounds* chosen = scene->lights().choose_along(ray, 8, (float(i) + 0.5f) / kSamples, time);
+      ASSERT_NE(chosen, nullptr);
+      ++count[std::round(chosen->box.center().x)];
+    }
+    // One lamp is off; the other has twice its mean power beside the steady one, whose part of the segment subtends some less.
+    EXPECT_EQ(count.count(time < 0.5f ? 1.f : -1.f), 0u) << time;
+    EXPECT_GT(count[time < 0.5f ? -1.f : 1.f], kSamples / 2) << time;
+    EXPECT_GT(count[3.f], kSamples / 5) << time;
+  }
+}
+
 TEST(LightSampler, ChoiceByPowerHasItsProbability) {
   SeededRandom random(6);
   const auto scene =

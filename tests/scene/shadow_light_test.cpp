@@ -14,7 +14,7 @@ namespace {
 /// A wall that is seen from above in the shadow of a plate under a lamp; `rest`: what else there is.
 float light_in(const std::string& rest) {
   return load_scene_from_string(
-             R"(<scene version="3.0.0"><integrator type="path"><boolean name="diffraction" value="true"/></integrator>
+             R"(<scene version="3.0.0"><integrator type="path"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/></integrator>
 <sensor type="orthographic"><transform name="to_world"><scale value="0.5"/><lookat origin="0, 0, 0.5" target="0, 0, 0" up="0, 1, 0"/></transform><film type="hdrfilm"/></sensor>
 <shape type="rectangle"><transform name="to_world"><scale value="9"/></transform></shape>
 <shape type="rectangle"><transform name="to_world"><translate z="1"/></transform><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>

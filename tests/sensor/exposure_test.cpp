@@ -3,6 +3,7 @@
 // quantities over time, in scenes whose answers are known in closed form.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "aureole/render/job.h"
@@ -448,6 +449,58 @@ TEST(Exposure, BallsThatFlashBesideSteadyOnes) {
   const double of_both = 2 * 1000 * (1.0 / 8) * std::sqrt(0.5);
   for (const char* integrator : {"path", "direct", "bdpt"})
     expect_time_mean(scene, of_both, 4096, integrator);
+}
+
+// Light by the edge of a sheet in whose shadow the floor lies, from two lamps at one place: as much as from steady ones where one of them
+// has ten times its mean power in a tenth of the time. Edges choose among the lamps by their powers at the time of the path.
+TEST(Exposure, EdgesChooseLampsThatEmit) {
+  const auto scene = [](const std::string& modulations) {
+    return "<sensor type='orthographic'><transform name='to_world'><scale x='0.004' y='0.004'/>"
+           "<lookat origin='-0.0055, 0.3, -0.5' target='-0.0055, 0.3, -1' up='0, 1, 0'/></transform>" +
+           shutter(0, 1) +
+           "<film type='specfilm'><integer name='width' value='1'/><integer name='height' value='1'/><rfilter type='box'/>"
+           "<float name='wavelength_min' value='549'/><float name='wavelength_max' value='551'/><integer name='bins' value='1'/>"
+           "<boolean name='preview' value='false'/></film></sensor>"
+           "<shape type='rectangle'><transform name='to_world'><scale value='9'/><translate z='-1'/></transform>"
+           "<bsdf type='diffuse'><spectrum name='reflectance' value='1'/></bsdf></shape>"
+           "<shape type='rectangle'><transform name='to_world'><scale value='5'/><translate x='-5'/></transform>"
+           "<bsdf type='diffuse'><spectrum name='reflectance' value='0'/></bsdf></shape>" +
+           modulations;
+  };
+  const auto lamp_at_time = [](const std::string& modulation) {
+    return "<emitter type='point'><point name='position' x='0' y='0.3' z='1'/><spectrum name='intensity' value='1'/>" +
+           modulation + "</emitter>";
+  };
+  const auto runs = [&](const std::string& lamps) {
+    constexpr int kReplicates = 16;
+    double sum = 0, squares = 0;
+    for (int k = 0; k < kReplicates; ++k) {
+      RenderOptions options;
+      options.end = 2048, options.seed = std::uint64_t(90 + k);
+      RenderJob job(
+          load_scene_from_string(
+              "<scene version='3.0.0'><integrator type='path'><integer name='max_depth' value='3'/>"
+              "<boolean name='diffraction' value='true'/><string name='diffraction_model' value='beams'/>"
+              "<string name='beam_width' value='fresnel 0.5m'/></integrator>" +
+                  scene(lamps) + "</scene>",
+              "edge.xml", {}),
+          options);
+      job.run(std::atomic<bool>(false));
+      const double mean = mean_of(job.state().picture());
+      sum += mean, squares += mean * mean;
+    }
+    const double mean = sum / kReplicates;
+    return std::array{mean,
+                      std::sqrt(std::max(0.0, squares / kReplicates - mean * mean) / (kReplicates - 1))};
+  };
+  // Pulses of a tenth of the time and steady light, of equal mean power.
+  const auto [steady, steady_error] = runs(lamp_at_time("") + lamp_at_time(""));
+  const auto [pulsed, pulsed_error] =
+      runs(lamp_at_time("") + lamp_at_time(wave("square", 2, "<float name='duty' value='0.1'/>")));
+  EXPECT_GT(steady, 0);
+  EXPECT_LT(steady_error, 0.005 * steady);
+  EXPECT_LT(pulsed_error, 0.005 * pulsed);
+  EXPECT_NEAR(pulsed, steady, 3 * std::hypot(pulsed_error, steady_error));
 }
 
 }  // namespace

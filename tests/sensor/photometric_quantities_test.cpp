@@ -358,9 +358,13 @@ TEST(PhotometricQuantities, PowerAndEnergy) {
     EXPECT_NE(message.find(what), std::string::npos) << message;
   };
   fails(receiver("luminous_flux", "fluence") + kFar, "must be \"irradiance\"");
-  fails("<shape type='rectangle'><sensor type='powermap'><string name='measure' value='irradiance'/>" +
-            square_film("luminous_flux") + "</sensor></shape>",
-        "differ in their areas");
+  // On a shape, the power through each cell: here all of the light of a lamp in a ball, whose cells differ in their areas.
+  const Reading cells = read(
+      "<shape type='sphere'><float name='radius' value='0.5'/><boolean name='flip_normals' value='true'/><bsdf type='diffuse'>"
+      "<rgb name='reflectance' value='0'/></bsdf><sensor type='powermap'><string name='measure' value='irradiance'/>" +
+          square_film("luminous_flux", "", 6) + "</sensor></shape>" + point_light(amount("1000 lm"), 0.2),
+      256);
+  expect_reading({36 * cells.mean, 36 * cells.error}, 1000);
   fails("<sensor type='perspective'><string name='measure' value='irradiance'/>" +
             square_film("radiant_energy") + "</sensor>" + kFar,
         "quantity");

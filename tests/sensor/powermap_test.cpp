@@ -2,7 +2,9 @@
 // Power maps in scenes whose answers are known, and against each other by paths from the sensor and from the light.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
@@ -299,12 +301,14 @@ TEST(PowerMap, OnAShapeDividesItsTextureCoordinates) {
       "ptracer", "<shape type='sphere'><float name='radius' value='2'/>" + on + "</shape>" + lamp, 256);
   for (int row = 0; row < 6; ++row)
     for (int column = 0; column < 8; ++column) {
-      double expected = 0;
+      double expected = 0, area = 0;
       for (int k = 0; k < 400; ++k) {
         const double phi = 2 * M_PI * (column + (k % 20 + 0.5) / 20) / 8,
                      theta = M_PI * (row + (k / 20 + 0.5) / 20) / 6;
-        expected += 3 / (4 + x * x - 4 * x * std::sin(theta) * std::cos(phi)) / 400;
+        expected += std::sin(theta) * 3 / (4 + x * x - 4 * x * std::sin(theta) * std::cos(phi));
+        area += std::sin(theta);
       }
+      expected /= area;
       EXPECT_NEAR(ball.at(column, row, 0), expected, 0.005 * expected) << column << " " << row;
       EXPECT_NEAR(by_light.at(column, row, 0), expected, 0.005 * expected) << column << " " << row;
     }
@@ -421,16 +425,82 @@ TEST(PowerMap, Errors) {
                 std::string(kLamp));
   ASSERT_EQ(wide.notes.size(), 1u);
   EXPECT_NE(wide.notes[0].find("over its neighbours"), std::string::npos);
-  // Cells of a sphere differ in their areas by the sine of the polar angle; those of a rectangle are alike.
-  const auto notes_on = [](const std::string& shape) {
-    return scene("<integrator type='path'/>", "<shape type='" + shape + "'><sensor type='powermap'>" +
-                                                  film(8, 6) + "</sensor></shape>" + std::string(kLamp))
-        .notes;
+}
+
+TEST(PowerMap, CellsOfAShapeAreMeansOverTheirAreas) {
+  const auto placed = [](const std::string& shape, int width, int height) {
+    return scene(
+        "<integrator type='path'/>",
+        "<shape " + shape +
+            "<sensor type='powermap'><string name='measure' value='irradiance'/><film type='hdrfilm'>"
+            "<string name='quantity' value='illuminance'/><integer name='width' value='" +
+            std::to_string(width) + "'/><integer name='height' value='" + std::to_string(height) +
+            "'/></film></sensor></shape><emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/>"
+            "<string name='amount' value='1000 lx'/></emitter>");
   };
-  ASSERT_EQ(notes_on("sphere").size(), 1u);
-  EXPECT_NE(notes_on("sphere")[0].find("differ in their areas by a factor of 8"), std::string::npos)
-      << notes_on("sphere")[0];
-  for (const char* even : {"rectangle", "cylinder", "cube"}) EXPECT_TRUE(notes_on(even).empty()) << even;
+  // Areas add up to those of the shapes: of a sphere, an elliptic disc, a cylinder and a mesh.
+  const auto areas = [&](const std::string& shape, int width, int height) {
+    const LoadedScene s = placed(shape, width, height);
+    EXPECT_TRUE(s.notes.empty()) << s.notes.front();
+    return *s.scene->sensor().cell_areas;
+  };
+  const auto sum = [](const std::vector<float>& v) { return std::accumulate(v.begin(), v.end(), 0.0); };
+  EXPECT_NEAR(sum(areas("type='sphere'><float name='radius' value='0.5'/>", 8, 6)), M_PI, 1e-3);
+  EXPECT_NEAR(sum(areas("type='disk'><transform name='to_world'><scale x='2' y='3'/></transform>", 8, 6)),
+              6 * M_PI, 1e-3);
+  EXPECT_NEAR(sum(areas("type='cylinder'>", 8, 6)), 2 * M_PI, 1e-3);
+  // A trapezoid of 2.5 by two triangles over the square of texture coordinates.
+  const TemporaryFolder folder;
+  folder.write(
+      "a.obj",
+      "v 0 0 0\nv 1 0 0\nv 4 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+  const std::vector<float> stretched =
+      areas("type='obj'><string name='filename' value='" + (folder.path / "a.obj").string() + "'/>", 2, 2);
+  EXPECT_NEAR(sum(stretched), 2.5, 1e-3);
+  EXPECT_NEAR(*std::max_element(stretched.begin(), stretched.end()), 1,
+              1e-5);  // a quarter of 4: in the triangle of 2
+  EXPECT_NEAR(*std::min_element(stretched.begin(), stretched.end()), 0.25, 1e-5);  // and in that of 0.5
+  // Rows of a sphere between the angles a and b from its pole: 2 pi r^2 (cos a - cos b)/8 each.
+  const std::vector<float> rows = areas("type='sphere'>", 8, 6);
+  for (int row = 0; row < 6; ++row) {
+    const double a = row * M_PI / 6, b = a + M_PI / 6;
+    EXPECT_NEAR(rows[std::size_t(8 * row)], 2 * M_PI * (std::cos(a) - std::cos(b)) / 8, 1e-4) << row;
+  }
+  // Light along the axis: cos(theta) in the upper half, whose mean over the area between a and b is (cos a + cos b)/2. Over the
+  // texture coordinates it would be (sin b - sin a)/(b - a), 2.3 % more.
+  constexpr int kReplicates = 16;
+  std::vector<double> means(6), squares(6);
+  for (int k = 0; k < kReplicates; ++k) {
+    RenderOptions options;
+    options.end = 256, options.seed = std::uint64_t(k + 1);
+    RenderJob job(placed("type='sphere'>", 8, 6), options);
+    job.run(std::atomic<bool>(false));
+    const Image picture = job.state().picture();
+    for (std::size_t row = 0; row < 6; ++row) {
+      double mean = 0;
+      for (std::size_t i = 0; i < 8; ++i) mean += double(picture.pixels[8 * row + i]) / 8;
+      means[row] += mean / 1000 / kReplicates, squares[row] += mean * mean / 1e6 / kReplicates;
+    }
+  }
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double expected = (std::cos(double(row) * M_PI / 6) + std::cos(double(row + 1) * M_PI / 6)) / 2;
+    const double error = std::sqrt(std::max(0.0, squares[row] - means[row] * means[row]) / (kReplicates - 1));
+    EXPECT_LT(error, 0.003 * means[row]) << row;
+    EXPECT_NEAR(means[row], expected, 3 * error + 2e-4 * expected) << row;
+  }
+  for (std::size_t row = 3; row < 6; ++row) EXPECT_EQ(means[row], 0) << row;
+}
+
+TEST(PowerMap, CellsOfEvenShapesKeepTheirValues) {
+  // On a rectangle and a cylinder all weights are 1: a uniform sky gives all cells its irradiance without noise of weights.
+  for (const char* shape : {"rectangle", "cylinder"}) {
+    const LoadedScene s = scene("<integrator type='path'/>", "<shape type='" + std::string(shape) +
+                                                                 "'><sensor type='powermap'>" + film(4, 3) +
+                                                                 "</sensor></shape>" + std::string(kLamp));
+    for (const Vec2 at : {Vec2{0.3f, 0.4f}, Vec2{2.9f, 1.1f}, Vec2{3.6f, 2.7f}})
+      EXPECT_EQ(s.scene->sensor().receiver(at)->weight, 1) << shape;
+    EXPECT_TRUE(s.notes.empty());
+  }
 }
 
 }  // namespace

@@ -47,6 +47,27 @@ double saunderson(double base, double n, double viewed, const double* lit) {
   return in * (1 - reflectance_of(viewed, n)) / (n * n) * base / (1 - base * inside);
 }
 
+/// f of a fitted model in the plane of incidence as a curve.
+PlotSeries fitted_lobe(const BrdfFit& fit, double incident, bool is_named, const char* colour) {
+  const SpectralGrid grid = SpectralGrid::over(360, 830);
+  const auto bsdf = std::dynamic_pointer_cast<const Bsdf>(
+      load_object_from_string("<scene version=\"3.0.0\">" + fit.bsdf + "</scene>", "fit", grid).object);
+  const Wavelengths w = Wavelengths::at(grid, Spectrum(550.f));
+  const SurfacePoint point;
+  const auto direction = [](double angle) {
+    return Vec3{float(std::sin(angle * kDegree)), 0, float(std::cos(angle * kDegree))};
+  };
+  PlotSeries curve;
+  curve.color = colour;
+  if (is_named) curve.label = "fitted " + fit.model;
+  const Vec3 lamp = direction(-incident);
+  for (double angle = -85; angle <= 85; angle += 1) {
+    curve.x.push_back(angle);
+    curve.y.push_back(double(bsdf->eval(direction(angle), lamp, {w, point})[0] / lamp.z));
+  }
+  return curve;
+}
+
 }  // namespace
 
 LaboratoryCurves five_instruments(double base, double ior, std::int64_t paths,
@@ -80,9 +101,14 @@ LaboratoryCurves five_instruments(double base, double ior, std::int64_t paths,
     traced.x.push_back(k), traced.y.push_back(m.values[0]);
     traced.low.push_back(m.values[0] - 2 * m.error(0)), traced.high.push_back(m.values[0] + 2 * m.error(0));
     theory.x.push_back(k), theory.y.push_back(expected), k += 1;
+    plot.names.push_back(name);
     numbers.push_back(fmt::format("{} {:.5f} ({:.5f})", name, m.values[0], expected));
   }
   plot.series = {traced, theory};
+  // The values lie close together: the axis begins a little below them.
+  const double least = std::min(*std::min_element(traced.low.begin(), traced.low.end()),
+                                *std::min_element(theory.y.begin(), theory.y.end()));
+  plot.y_from = std::max(0.0, std::floor(50 * least) / 50);
   return {svg_plot(plot),
           fmt::format("A base of {:g} under an index of {:g}: {}; in brackets the closed form.", base, ior,
                       fmt::join(numbers, ", "))};
@@ -161,9 +187,12 @@ LaboratoryCurves measured_lobes(double alpha, const std::vector<double>& inciden
   const GonioTable table = measure_scattering(bench, metal, s, plan);
   FitSettings fit;
   fit.lamp_angle = s.lamp_angle, fit.detector_angle = s.detector_angle;
+  fit.viewed_m = s.viewed_m, fit.distance_m = s.distance_m;
   fit.models = {"beckmann", "ggx"};
   const std::vector<BrdfFit> fits = fit_brdfs(table, fit);
   Plot plot{"Lobes of a goniometer", "angle from the normal, degrees", "f, 1/sr", {}, false};
+  for (std::size_t k = 0; k < incident.size(); ++k)
+    plot.series.push_back(fitted_lobe(fits[0], incident[k], k == 0, kLaboratoryColours[k % 6]));
   for (std::size_t k = 0; k < incident.size(); ++k) {
     PlotSeries series{.kind = PlotSeries::Kind::points, .x = {}, .y = {}, .low = {}, .high = {}};
     series.label = fmt::format("incidence {:g} degrees", incident[k]),

@@ -64,10 +64,10 @@ AUREOLE_PLUGIN(
         {{"bsdf", "bsdf", "", "required", "BSDF of the surface"},
          {"enabled", "boolean", "", "true", "false: the edges of the shape do not diffract"},
          {"sigma", "float", "wavelengths", "beam_width of the integrator",
-          "standard deviation of the width of the beams in which neighbouring edges are coherent. It is one "
+          "of the diffraction model `beams`: standard deviation of the width of the beams in which neighbouring edges are coherent. It is one "
           "number for a scene: all shapes that give it must agree, also with the integrator's `beam_width`"},
          {"scale", "float", "", "1",
-          "factor of the diffracted radiance; any but 1 violates energy conservation"},
+          "of the diffraction model `beams`: factor of the diffracted radiance; any but 1 violates energy conservation"},
          {"SIR", "boolean", "", "true", "accepted for the authors' scenes, without effect"}},
         {R"(<bsdf type="freespacediffraction">
     <boolean name="enabled" value="true"/>

@@ -27,9 +27,12 @@ public:
       RglNotes notes;
       const RglFile content = read_rgl_file(file, notes);
       if (notes.negative_spectra > 0)
-        properties.note("filename",
-                        fmt::format("parameter \"filename\": {} of {} values are negative and count as 0",
-                                    notes.negative_spectra, content.spectra.size()));
+        properties.note(
+            "filename",
+            fmt::format(
+                "parameter \"filename\": {} of {} values are negative; where the interpolated value is "
+                "negative, it counts as 0",
+                notes.negative_spectra, content.spectra.size()));
       if (content.nm.empty())
         properties.note(
             "filename",

@@ -124,7 +124,7 @@ AUREOLE_PLUGIN(
         {R"(<integrator type="bdpt"><integer name="max_depth" value="8"/><boolean name="count_crossings" value="false"/><integer name="rr_depth" value="5"/>
     <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)",
          R"(<integrator type="bdpt"><integer name="strategy_s" value="2"/><integer name="strategy_t" value="2"/></integrator>)",
-         R"(<integrator type="bdpt"><boolean name="diffraction" value="true"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});
+         R"(<integrator type="bdpt"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

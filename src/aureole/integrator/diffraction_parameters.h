@@ -15,8 +15,9 @@ namespace aureole {
 inline std::optional<DiffractionSettings> get_diffraction(const Properties& p) {
   const bool is_on = p.get_bool("diffraction", false);
   DiffractionSettings settings;
-  if (p.get_choice("diffraction_model", "beams", {"beams", "segments"}) == "segments")
-    settings.model = DiffractionSettings::Model::segments;
+  settings.model = p.get_choice("diffraction_model", "segments", {"segments", "beams"}) == "segments"
+                       ? DiffractionSettings::Model::segments
+                       : DiffractionSettings::Model::beams;
   if (!is_on && p.has("diffraction_model"))
     p.note("diffraction_model", "has no effect: \"diffraction\" is false");
   using Polarisation = DiffractionSettings::Polarisation;
@@ -34,7 +35,10 @@ inline std::optional<DiffractionSettings> get_diffraction(const Properties& p) {
   }
   const std::string text = p.get_string("beam_width", "25 wavelengths");
   if (settings.model == DiffractionSettings::Model::segments && p.has("beam_width"))
-    throw p.error("beam_width", "belongs to the diffraction model \"beams\"; \"segments\" has no beams");
+    throw p.error(
+        "beam_width",
+        "belongs to the diffraction model \"beams\" (diffraction_model=\"beams\"); \"segments\", the "
+        "default, has no beams");
   try {
     settings.width = BeamWidth::parse(text);
     return is_on ? std::optional(settings) : std::nullopt;
@@ -54,7 +58,7 @@ inline void require_no_glowing_media(const Scene& scene, const Integrator& integ
     throw integrator.properties().error(
         "diffraction_model",
         "\"segments\" needs a scene without media and without shapes that have a "
-        "priority or touch; use \"beams\"");
+        "priority or touch: state diffraction_model=\"beams\"");
   if (scene.diffraction() && scene.emitting_media())
     throw integrator.properties().error(
         "diffraction", "light of media that emit is not followed around edges: switch one of them off");
@@ -65,9 +69,9 @@ inline std::vector<ParameterDoc> with_diffraction_parameters(std::vector<Paramet
   own.push_back(
       {"diffraction", "boolean", "", "false",
        "edges of meshes, discs, cylinders and spheres diffract light (docs/diffraction.md); without it they cost nothing"});
-  own.push_back({"diffraction_model", "string", "", "beams",
-                 "beams: an edge is a scatterer of light in beams of the width `beam_width`; segments: "
-                 "each straight segment has the exact Fresnel factor of the edges beside it, with fringes"});
+  own.push_back({"diffraction_model", "string", "", "segments",
+                 "segments: each straight segment has the exact Fresnel factor of the edges beside it, with "
+                 "fringes; beams: an edge is a scatterer of light in beams of the width `beam_width`"});
   own.push_back(
       {"diffraction_polarisation", "string", "", "none",
        "of the model segments. none: edges act as those of half planes that absorb; soft: as wedges with the angle between their "

@@ -207,7 +207,7 @@ AUREOLE_PLUGIN(
         {R"(<integrator type="direct"><integer name="emitter_samples" value="2"/><integer name="bsdf_samples" value="1"/>
     <boolean name="hide_emitters" value="true"/></integrator>)",
          R"(<integrator type="direct"><integer name="shading_samples" value="4"/></integrator>)",
-         R"(<integrator type="direct"><boolean name="diffraction" value="true"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
+         R"(<integrator type="direct"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -71,7 +71,7 @@ AUREOLE_PLUGIN(
               "camera rays pass through area emitters and see no environment"}}),
         {R"(<integrator type="path"><integer name="max_depth" value="8"/><boolean name="count_crossings" value="false"/><integer name="rr_depth" value="5"/>
     <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)",
-         R"(<integrator type="path"><boolean name="diffraction" value="true"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});
+         R"(<integrator type="path"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -136,7 +136,7 @@ AUREOLE_PLUGIN(
              {"samples_per_pass", "integer", "", "-1", "accepted without effect"}}),
         {R"(<integrator type="ptracer"><integer name="max_depth" value="8"/><boolean name="count_crossings" value="false"/><integer name="rr_depth" value="5"/>
     <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/><integer name="samples_per_pass" value="16"/></integrator>)",
-         R"(<integrator type="ptracer"><boolean name="diffraction" value="true"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
+         R"(<integrator type="ptracer"><boolean name="diffraction" value="true"/><string name="diffraction_model" value="beams"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

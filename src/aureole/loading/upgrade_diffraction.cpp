@@ -79,6 +79,14 @@ void upgrade_diffraction(Node& scene, Diagnostics& diagnostics) {
   std::erase_if(integrator->children, [](const Node& c) { return c.get("name") == "wavelengths"; });
 
   if (!integrator->named_child("diffraction")) add(*integrator, given, "boolean", "diffraction", "true");
+  if (!integrator->named_child("diffraction_model")) {
+    add(*integrator, given, "string", "diffraction_model", "beams");
+    diagnostics.note(
+        given.where,
+        "edges diffract by the published model that this scene is written for, with \"sigma\" and "
+        "\"scale\" of its \"freespacediffraction\": state diffraction_model=\"segments\" for the "
+        "phases of direct and diffracted light");
+  }
 
   if (!metres) return;
   Node* sensor = child_with_tag(scene, "sensor");

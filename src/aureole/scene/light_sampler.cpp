@@ -35,7 +35,7 @@ LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<d
       bounds.push_back(b);
     }
   }
-  if (!modulations.empty()) make_groups(lights, bounds, modulations);
+  if (!modulations.empty()) make_groups(lights, bounds, emitted, modulations);
   tree_ = LightTree(std::move(bounds));
   // If `focus` is zero everywhere, the tree's lights are for light tracing only, and light sampling never
   // chooses them.
@@ -56,21 +56,38 @@ float LightSampler::Group::brightness(float time) const {
 }
 
 void LightSampler::make_groups(const std::vector<Light>& lights, const std::vector<EmissionBounds>& bounds,
-                               const std::vector<double>& modulations) {
-  std::vector<Group> groups(1);
-  std::unordered_map<const Modulation*, std::uint32_t> known;
-  group_of_.assign(lights.size(), 0);
+                               const std::vector<double>& emitted, const std::vector<double>& modulations) {
+  // Modulations in the order of their first lights, with their power and mean.
+  struct Candidate {
+    const Modulation* modulation;
+    double mean, power;
+    std::size_t order;
+  };
+  std::vector<Candidate> candidates;
+  std::unordered_map<const Modulation*, std::size_t> known;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const Modulation* modulation = lights[i].emitter->modulation();
     if (!modulation) continue;
-    const auto [at, is_new] = known.try_emplace(modulation, std::uint32_t(groups.size()));
-    if (is_new && groups.size() == kMaxGroups) at->second = 0;
-    group_of_[i] = at->second;
-    if (at->second < groups.size()) continue;
-    groups.emplace_back();
-    groups.back().modulation = modulation, groups.back().mean = modulations[i];
+    const auto [at, is_new] = known.try_emplace(modulation, candidates.size());
+    if (is_new) candidates.push_back({modulation, modulations[i], 0, candidates.size()});
+    candidates[at->second].power += emitted[i];
   }
-  if (groups.size() == 1) return;
+  if (candidates.empty()) return;
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.power != b.power ? a.power > b.power : a.order < b.order;
+  });
+  if (candidates.size() > kMaxGroups - 1) candidates.resize(kMaxGroups - 1);
+  std::vector<Group> groups(1);
+  known.clear();
+  for (const Candidate& c : candidates) {
+    known[c.modulation] = groups.size();
+    groups.emplace_back();
+    groups.back().modulation = c.modulation, groups.back().mean = c.mean;
+  }
+  group_of_.assign(lights.size(), 0);
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    if (const auto found = known.find(lights[i].emitter->modulation()); found != known.end())
+      group_of_[i] = std::uint32_t(found->second);
   group_leaf_.resize(parts_.size());
   std::vector<std::vector<EmissionBounds>> leaves(groups.size());
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -136,6 +153,30 @@ std::optional<LightChoice> LightSampler::choose_at(const Vec3& p, const Vec3& n,
   if (!leaf) return {};
   const auto& [light, part] = parts_[group->parts[leaf->leaf]];
   return LightChoice{light, part, leaf->probability};
+}
+
+const EmissionBounds* LightSampler::choose_along(const Ray& ray, float t_max, float u, float time) const {
+  const LightTree* tree = &tree_;
+  if (!groups_.empty()) {
+    std::array<float, kMaxGroups> weights;
+    float total = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const float brightness = groups_[g].brightness(time);
+      weights[g] = brightness > 0 ? brightness * groups_[g].tree.estimate_along(ray, t_max) : 0;
+      total += weights[g];
+    }
+    if (!(total > 0)) return nullptr;
+    float at = u * total;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (!(weights[g] > 0)) continue;
+      // Rounding may leave a remainder behind the last group, which is then chosen.
+      tree = &groups_[g].tree, u = std::min(at / weights[g], 0x1.fffffep-1f);
+      if (at < weights[g]) break;
+      at -= weights[g];
+    }
+  }
+  const auto leaf = tree->choose_along(ray, t_max, u);
+  return leaf ? &tree->leaf(*leaf) : nullptr;
 }
 
 float LightSampler::probability_at(const Vec3& p, const Vec3& n, const Light& light, std::size_t part,

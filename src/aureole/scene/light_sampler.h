@@ -59,6 +59,10 @@ public:
   /// Returns the probability with which `choose_by_power` finds this part at the time [s] of a path.
   float probability_by_power(const Light& light, std::size_t part, float time) const;
 
+  /// The bounds of a part, none of them at infinity, that is near the segment of a ray up to t_max and emits at the time [s]
+  /// of a path: for positions along the segment. Null if there is none.
+  const EmissionBounds* choose_along(const Ray& ray, float t_max, float u, float time) const;
+
   /// Whether there is only one candidate, so that `choose` ignores u.
   bool is_single() const { return single_.has_value(); }
   bool empty() const { return infinite_.empty() && tree_.empty(); }
@@ -68,7 +72,8 @@ public:
 
 private:
   static constexpr std::size_t kNone = ~std::size_t(0);
-  /// Upper bound of the number of groups. Lights of further modulations count as steady.
+  /// Upper bound of the number of groups: steady lights, and the modulations with the most mean power. Lights of further
+  /// modulations count as steady.
   static constexpr std::size_t kMaxGroups = 16;
   /// The lights of one modulation, or all steady ones.
   struct Group {
@@ -89,7 +94,7 @@ private:
   };
 
   void make_groups(const std::vector<Light>& lights, const std::vector<EmissionBounds>& bounds,
-                   const std::vector<double>& modulations);
+                   const std::vector<double>& emitted, const std::vector<double>& modulations);
   TimeWeights weights_at(const Vec3& p, const Vec3& n, float time) const;
   std::optional<LightChoice> choose_at(const Vec3& p, const Vec3& n, float u, float time) const;
   float probability_at(const Vec3& p, const Vec3& n, const Light& light, std::size_t part, float time) const;

@@ -34,6 +34,11 @@ public:
   /// segment from distance and power alone. Returns nothing if light sampling cannot choose any leaf.
   std::optional<std::size_t> choose_along(const Ray& ray, float t_max, float u) const;
 
+  /// Estimate of the irradiance along the segment by all leaves together, in a unit that trees of the same scene share.
+  float estimate_along(const Ray& ray, float t_max) const {
+    return can_be_connected() ? importance_along(nodes_[0], ray, t_max) : 0;
+  }
+
   bool empty() const { return leaves_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
   const EmissionBounds& leaf(std::size_t i) const { return leaves_[i]; }

@@ -25,6 +25,10 @@ struct PlacedSensor {
   float pixels_per_area = 1;  ///< film area over the area perpendicular to the rays, for a parallel
                               ///< projection
 
+  /// Areas of the cells of a power map on a shape, row by row [square of the scene's unit]; null for other sensors, whose
+  /// pixels have equal areas or none.
+  std::shared_ptr<const std::vector<float>> cell_areas;
+
   std::vector<PlacedSensor> members;  ///< the sensors of a batch
   const Motion* motion = nullptr;     ///< of the sensor; null: it stands still
 

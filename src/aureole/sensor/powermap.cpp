@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A grid of receivers on a plane or on a shape.
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cmath>
 
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
@@ -43,43 +42,23 @@ public:
   }
 
   void check_shape(const ShapeArea& area) const override {
-    film().refuse_flux(
-        "the cells of a shape differ in their areas. Measure an illuminance or irradiance there, or the power through all "
-        "of the shape by an \"irradiancemeter\"");
     if (properties().has("to_world"))
       throw properties().error(
           "to_world", "a power map on a shape measures on the surface of that: leave \"to_world\" out");
     // Points along a side of the grid at which gaps are searched; it is finer than most gaps between the
     // charts of a texture atlas.
     constexpr int kSide = 64;
-    std::vector<std::optional<ShapeSample>> points;
     for (int i = 0; i < kSide * kSide; ++i)
-      points.push_back(
-          area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide}));
-    if (std::none_of(points.begin(), points.end(), [](const auto& s) { return s.has_value(); }))
-      throw Error(properties().where(),
-                  "the shape has no texture coordinates in [0, 1] x [0, 1], which the cells of a power map "
-                  "divide: give it some, or put the map on a plane by \"to_world\"");
-    std::vector<float> areas;  // of parallelograms between neighbours
-    for (int i = 0; i + kSide < kSide * kSide; ++i) {
-      const auto &s = points[std::size_t(i)], &right = points[std::size_t(i + 1)],
-                 &below = points[std::size_t(i + kSide)];
-      if ((i + 1) % kSide != 0 && s && right && below)
-        areas.push_back(length(cross(right->p - s->p, below->p - s->p)));
-    }
-    if (areas.size() < 100) return;
-    std::sort(areas.begin(), areas.end());
-    // Neighbours in different parts of a texture atlas are few.
-    const float least = areas[areas.size() / 20], most = areas[areas.size() - 1 - areas.size() / 20];
-    if (most > 1.1f * least)
-      properties().note(
-          "measure",
-          fmt::format(
-              "on this shape equal steps of the texture coordinates differ in their areas {}: "
-              "a cell holds the mean over its texture coordinates, and means over cells are none over the area, "
-              "which an \"irradiancemeter\" measures",
-              least > 1e-6f * most ? fmt::format("by a factor of {:.2g} or more", most / least)
-                                   : "so much that some have none"));
+      if (area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide})) return;
+    throw Error(properties().where(),
+                "the shape has no texture coordinates in [0, 1] x [0, 1], which the cells of a power map "
+                "divide: give it some, or put the map on a plane by \"to_world\"");
+  }
+
+  void fit(PlacedSensor& at) const override {
+    if (at.area)
+      at.cell_areas = std::make_shared<const std::vector<float>>(
+          areas_of_cells(*at.area, int(at.part.width), int(at.part.height)));
   }
 
   bool uses_lens() const override { return true; }
@@ -89,7 +68,10 @@ public:
     if (!at.area) return receiver_at(corner_ + right_ * u.x + down_ * u.y, {}, normal_);
     const auto s = at.area->point_at_uv(u);
     if (!s) return {};
-    return receiver_at(s->p, s->p_error, s->ng);
+    Receiver r = receiver_at(s->p, s->p_error, s->ng);
+    r.weight = weight_on_shape(at, u, s->pdf);
+    if (!(r.weight > 0)) return {};
+    return r;
   }
 
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
@@ -131,6 +113,44 @@ public:
   }
 
 private:
+  /// Areas by a lattice in each cell: midpoints along v, multiples of the golden ratio along u, so that no borders of
+  /// triangles or of the charts of a texture atlas lie along it.
+  static std::vector<float> areas_of_cells(const ShapeArea& area, int width, int height) {
+    constexpr double kMostPoints = 4e6, kGolden = 0.6180339887498949;
+    const int count = int(std::clamp(kMostPoints / (double(width) * height), 16.0, 4096.0));
+    std::vector<float> areas;
+    areas.reserve(std::size_t(width) * std::size_t(height));
+    for (int row = 0; row < height; ++row)
+      for (int column = 0; column < width; ++column) {
+        double sum = 0;
+        for (int i = 0; i < count; ++i) {
+          const double x = 0.5 + kGolden * i, u = (column + x - std::floor(x)) / width,
+                       v = (row + (i + 0.5) / count) / height;
+          if (const auto s = area.point_at_uv({float(u), float(v)})) sum += 1 / double(s->pdf);
+        }
+        areas.push_back(float(sum / (double(width) * height * count)));
+      }
+    return areas;
+  }
+  /// Points are uniform over the texture coordinates: the weight makes the mean over a cell that over its area, or the power
+  /// through it.
+  float weight_on_shape(const PlacedSensor& at, Vec2 u, float pdf) const {
+    const int width = int(at.part.width), height = int(at.part.height);
+    const auto index = [](float x, int count) { return std::clamp(int(x * float(count)), 0, count - 1); };
+    const double cells = double(width) * height, area = 1 / double(pdf);
+    if (film().measures_flux()) {
+      const double unit = properties().context().length_unit_m;
+      return float(area / cells * unit * unit);
+    }
+    const double of_cell = (*at.cell_areas)[std::size_t(index(u.y, height)) * std::size_t(width) +
+                                            std::size_t(index(u.x, width))];
+    if (!(of_cell > 0)) return 0;
+    const double ratio = area / (cells * of_cell);
+    // Even cells keep their values from rounding errors.
+    constexpr double kRounding = 1e-5;
+    return std::abs(ratio - 1) < kRounding ? 1 : float(ratio);
+  }
+
   struct Place {
     Receiver receiver;
     Vec2 film;
@@ -200,7 +220,7 @@ AUREOLE_PLUGIN(
             "square [-1, 1] x [-1, 1] of the plane z = 0 of `to_world`, x to the right and y up in the "
             "picture. As a child of a shape, they divide the texture coordinates [0, 1] x [0, 1] of its "
             "surface instead, u to the right and v down, like a picture on the shape; a cell then holds the mean over "
-            "its texture coordinates, and a note says where cells differ in their areas. The plane is not a "
+            "its part of the surface, or the power through that. The plane is not a "
             "surface, and light passes it unchanged; it must not coincide with surfaces. Delta emitters, "
             "such as `point`, count as well. The reconstruction filter is a box. `path` traces rays from "
             "the cells; `ptracer` and, for a plane, `bdpt` connect light paths to them. `ptracer` also "

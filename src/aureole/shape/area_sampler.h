@@ -68,8 +68,8 @@ public:
   /// Returns the solid-angle pdf with which sample_direct samples `point` of the patch from `reference`.
   virtual float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const = 0;
 
-  /// Returns a point with these texture coordinates in [0, 1]^2, empty if there is none. Its `pdf` is not
-  /// set.
+  /// Returns a point with these texture coordinates in [0, 1]^2, empty if there is none. Its `pdf` is that of points that are
+  /// uniform over the texture coordinates, per area [1/m^2]: the inverse of |dp/du x dp/dv|, and infinite where that is 0.
   virtual std::optional<ShapeSample> point_at_uv(Vec2 /*uv*/) const { return {}; }
 
   virtual std::size_t memory_bytes() const { return sizeof *this; }

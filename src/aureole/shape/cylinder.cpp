@@ -124,9 +124,9 @@ public:
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> point_at_uv(Vec2 uv) const override {
-    const double phi = 2 * kPiD * uv.x;
-    const SurfacePoint s = cylinder_.point_at(std::cos(phi), std::sin(phi), uv.y);
-    return ShapeSample{s.p, s.p_error, s.ng, uv, 0};
+    const double phi = 2 * kPiD * uv.x, x = std::cos(phi), y = std::sin(phi);
+    const SurfacePoint s = cylinder_.point_at(x, y, uv.y);
+    return ShapeSample{s.p, s.p_error, s.ng, uv, float(1 / (2 * kPiD * area_element(x, y)))};
   }
   float pdf_area(std::size_t, const SurfacePoint& point) const override {
     const Double3 at = place().local_point(Double3(point.p));

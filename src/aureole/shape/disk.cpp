@@ -122,7 +122,7 @@ public:
   }
   std::optional<ShapeSample> point_at_uv(Vec2 uv) const override {
     const double phi = 2 * kPiD * uv.y;
-    return sample_at(uv.x * std::cos(phi), uv.x * std::sin(phi), 0);
+    return sample_at(uv.x * std::cos(phi), uv.x * std::sin(phi), float(1 / (2 * area_ * double(uv.x))));
   }
 
 private:

@@ -201,7 +201,8 @@ std::optional<ShapeSample> SphereSampler::sample_area(std::size_t, Vec2 u) const
 
 std::optional<ShapeSample> SphereSampler::point_at_uv(Vec2 uv) const {
   const SurfacePoint s = sphere_.point_at_uv(uv);
-  return ShapeSample{s.p, s.p_error, s.ng, uv, 0};
+  const double r = ball_.radius, area_per_uv = 2 * kPiD * kPiD * r * r * std::sin(kPiD * uv.y);
+  return ShapeSample{s.p, s.p_error, s.ng, uv, float(1 / std::max(area_per_uv, 0.0))};
 }
 
 float SphereSampler::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const {

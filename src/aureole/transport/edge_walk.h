@@ -54,13 +54,29 @@ public:
     if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
     if (scene_.outline_edges()) {
-      s.density.attenuate(factor(walk, i, length));
+      if (!W::kDefersDiffraction || walk.log().follows(i) || !defer(walk, i, length))
+        s.density.attenuate(factor(walk, i, length));
       walk.diffraction(i).is_behind = walk.diffraction(i).begins_at_infinity = false;
       return;
     }
     const LightWay segment{s.segment.origin, s.segment.ray.d, length, walk.diffraction(i).end()};
     s.density.attenuate(left_by_edges(scene_, segment, walk.wavelengths(i),
                                       key(walk.samples(i), s.vertex, Stream::distance)));
+  }
+
+  /// Multiplies the path's throughput by the diffraction factors that it does not contain yet, and returns them. It
+  /// is called before the path adds light to the result.
+  template <class W>
+  Spectrum count_pending(W& walk, int i) const {
+    if constexpr (W::kDiffracts && W::kDefersDiffraction) {
+      auto& s = walk.state(i);
+      if (walk.diffraction(i).pending.is_empty()) return 1.f;
+      const Spectrum factors = walk.diffraction(i).pending.take_factors(scene_, walk.wavelengths(i));
+      s.density.attenuate(factors);
+      return factors;
+    } else {
+      return 1.f;
+    }
   }
 
   /// The probability with which the present ray continues behind the obstacle that it has hit, into the shadow:
@@ -102,6 +118,14 @@ public:
     return segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
                                is_reversed ? kInfinity : length, !walk.diffraction(i).is_behind,
                                walk.wavelengths(i));
+  }
+
+  /// Stores the present segment, up to a distance, for `count_pending`. Returns false if there is no room.
+  template <class W>
+  bool defer(W& walk, int i, float length) const {
+    auto& s = walk.state(i);
+    return walk.diffraction(i).pending.add(
+        {s.segment.origin, s.segment.ray.d, length, !walk.diffraction(i).is_behind});
   }
 
   /// Updates the path at a vertex at `p`. Returns false where the path ends, because `p` lies within the beam

@@ -60,7 +60,7 @@ Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
 }
 
 bool EdgePaths::choose_lamp(LampEnd& lamp) {
-  const auto choice = scene_.lights().choose_by_power(next2());
+  const auto choice = scene_.lights().choose_by_power(next2(), w_.time);
   if (!choice || !(choice->probability > 0)) return false;
   lamp.light = choice->light, lamp.part = choice->part, lamp.probability = choice->probability;
   lamp.u = next2();

@@ -18,11 +18,10 @@ namespace aureole {
 /// to the light. `u` chooses among lights.
 inline std::optional<Equiangular> equiangular_positions(const Scene& scene, const RayState& state,
                                                         float t_max, const Wavelengths& w, float u) {
-  const LightTree& tree = scene.lights().tree();
   const Ray ray = state.from_surface();
-  const auto leaf = tree.choose_along(ray, t_max, u);
-  if (!leaf) return {};
-  const Bounds3& box = tree.leaf(*leaf).box;
+  const EmissionBounds* light = scene.lights().choose_along(ray, t_max, u, w.time);
+  if (!light) return {};
+  const Bounds3& box = light->box;
   const Equiangular positions(ray, t_max + state.offset, box.center(), 0.5f * length(box.diagonal()));
   // Largest optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md): of the distance of the
   // light from the ray, and along the ray to the point nearest to the light.

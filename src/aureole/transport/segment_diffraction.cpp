@@ -6,10 +6,14 @@
 #include <cmath>
 #include <complex>
 #include <deque>
+#include <functional>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "aureole/optics/diffraction/uniform_theory.h"
+#include "aureole/scene/edge/edge_block.h"
 #include "aureole/scene/edge/edge_screens.h"
 #include "aureole/transport/edge_rows.h"
 
@@ -49,19 +53,18 @@ public:
         end_(end),
         is_open_(is_open),
         w_(w) {
-    double shortest = kInfinity;
     for (std::size_t i = 0; i < wavelengths_.size(); ++i) {
       wavelengths_[i] = edges_.wavelength(w.nm[int(i)]);
-      shortest = std::min(shortest, wavelengths_[i]), longest_ = std::max(longest_, wavelengths_[i]);
+      shortest_ = std::min(shortest_, wavelengths_[i]), longest_ = std::max(longest_, wavelengths_[i]);
     }
     // All wavelengths of a path share one field if they differ by less than this fraction of its phase.
     constexpr double kAlike = 1e-5;
-    if (longest_ - shortest < kAlike * longest_) count_ = 1;
+    if (longest_ - shortest_ < kAlike * longest_) count_ = 1;
   }
   /// Returns |u/u0|^2 at each wavelength.
   Spectrum factor() {
     std::vector<EdgeBeside>& beside = beside_edges();
-    edges_.visit(segment_, longest_, rims_, [&](const EdgePassage& passage) {
+    edges_.visit(segment_, is_open_, shortest_, longest_, rims(), [&](const EdgePassage& passage) {
       // An edge that is no outline for light diffracted by it alone may be one for light that another edge
       // also diffracts.
       EdgeBeside edge{passage, {}, true};
@@ -73,6 +76,7 @@ public:
         beside.push_back(edge);
     });
     if (beside.empty()) return is_open_ ? 1.f : 0.f;
+    beside_ = beside;
     const EdgeScreens screens(edges_, segment_, beside);
     screens_ = &screens;
     std::vector<EdgePart>& parts = edge_parts();
@@ -128,6 +132,11 @@ private:
   static std::vector<EdgeBeside>& beside_edges() {
     static thread_local std::vector<EdgeBeside> all;
     all.clear();
+    return all;
+  }
+  static std::deque<MeshEdge>& rims() {
+    static thread_local std::deque<MeshEdge> all;
+    if (!all.empty()) all.clear();
     return all;
   }
   static std::vector<EdgePart>& edge_parts() {
@@ -219,14 +228,15 @@ private:
   }
 
   /// Multiplies `weight` by the change of a part's wave at the screen between it and one end of the segment.
-  /// Returns false if no light arrives; sets `turns` if the screen diffracts the light as well.
-  bool pass_screen(const EdgePart& part, bool is_begin, Field& weight, bool& turns) const {
+  /// Returns false if no light arrives; sets `screen`, and `turns` if the screen diffracts the light as well.
+  bool pass_screen(const EdgePart& part, bool is_begin, Field& weight, bool& turns,
+                   std::optional<EdgeScreens::Screen>& screen) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
-    const auto screen = screens_->find_screen(
-        part.edge, part.passage, !is_begin, is_seen, longest_, [&](const EdgeScreens::Screen& s) {
-          return is_free(scene_, part.side.beside.to_float(), s.beside.to_float(), false, w_) &&
-                 sees(s.beside, is_begin);
-        });
+    const auto is_open = [&](const EdgeScreens::Screen& s) {
+      return is_free(scene_, part.side.beside.to_float(), s.beside.to_float(), false, w_) &&
+             sees(s.beside, is_begin);
+    };
+    screen = screens_->find_screen(part.edge, part.passage, !is_begin, is_seen, longest_, std::cref(is_open));
     if (!screen) return is_seen;
     if (screen->v < 0 || screen->is_at_border) turns = true;
     for (std::size_t i = 0; i < std::size_t(count_); ++i) {
@@ -249,12 +259,13 @@ private:
     Field weight;
     weight.fill(1 - part.in_rows);
     bool turns = part.is_outline;
+    std::array<std::optional<EdgeScreens::Screen>, 2> screens;
     const bool arrives = screens_->is_one_sheet()
                              ? part.is_seen()
-                             : part.in_rows < 1 && pass_screen(part, true, weight, turns) &&
-                                   pass_screen(part, false, weight, turns) && turns;
+                             : part.in_rows < 1 && pass_screen(part, true, weight, turns, screens[0]) &&
+                                   pass_screen(part, false, weight, turns, screens[1]) && turns;
     if (!arrives) weight.fill(0);
-    if (is_wedge_ && part.is_seen()) make_wedge(part, weight);
+    if (is_wedge_ && arrives) make_wedges(part, screens, weight);
     if (part.is_seen())
       for (auto& x : weight) x += part.in_rows;
     if (std::all_of(weight.begin(), weight.begin() + count_, [](const auto& x) { return x == 0.0; })) return;
@@ -264,20 +275,69 @@ private:
     for (std::size_t i = 0; i < std::size_t(count_); ++i) field_[i] += weight[i] * wave[i];
   }
 
-  /// Multiplies `weight` by the wave of a part's wedge over that of a half plane that absorbs.
-  void make_wedge(const EdgePart& part, Field& weight) const {
-    EdgeWedge wedge;
-    if (!edges_.find_wedge(part.passage, segment_, wedge)) return;
-    // Each face reflects as at the grazing angle of the end of the light that is nearer to it. For an observer farther from the o-face
-    // than the source that is the heuristic of Luebbers 1984; his form is not reciprocal, this one is.
+  /// Multiplies `weight` by the wave of a part's wedge, and of the wedges of its screens before and behind it,
+  /// over that of half planes that absorb.
+  void make_wedges(const EdgePart& part, const std::array<std::optional<EdgeScreens::Screen>, 2>& screens,
+                   Field& weight) const {
+    Field together, alone;
+    together.fill(1), alone.fill(1);
+    double share = 1;  // of the wave as that of a single edge
+    for (const bool is_begin : {true, false}) {
+      const auto& screen = screens[is_begin ? 0 : 1];
+      if (!screen) continue;
+      const EdgePassage& other = beside_[screen->edge].passage;
+      const EdgeBlock block(edges_, is_begin ? other : part.passage, is_begin ? part.passage : other,
+                            segment_, is_open_);
+      const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
+      if (block.kind() == EdgeBlock::Kind::face) {
+        // Far on the open side of the screen, light is that of a single edge.
+        constexpr double kNear = 4, kFar = 10;
+        const double v = screen->v / std::sqrt(longest_);
+        share = std::min(share, is_seen ? std::clamp((v - kNear) / (kFar - kNear), 0.0, 1.0) : 0.0);
+        if (share < 1) multiply_by_block(block, together);
+      } else if (block.kind() == EdgeBlock::Kind::apart && !is_seen) {
+        multiply_by_wedge(block.wedge(0), together);
+        multiply_by_wedge(block.wedge(1), together);
+        share = 0;
+      }
+    }
+    if (!part.is_seen()) share = 0;
+    if (share > 0) {
+      const EdgePassage& passage = part.passage;
+      EdgeWedge wedge;
+      const double s_out =
+          segment_.is_infinite() ? segment_.length : length(segment_.d * segment_.length - passage.p);
+      if (edges_.find_wedge(*passage.edge, {passage.in, passage.out, length(passage.p), s_out}, wedge))
+        multiply_by_wedge(wedge, alone);
+    }
+    for (std::size_t i = 0; i < std::size_t(count_); ++i)
+      weight[i] *= (1 - share) * together[i] + share * alone[i];
+  }
+  void multiply_by_wedge(const EdgeWedge& wedge, Field& weight) const {
+    const Faces faces = faces_of(wedge);
+    for (std::size_t i = 0; i < std::size_t(count_); ++i)
+      weight[i] *= optics::Wedge(wedge.n).over_half_plane(
+          2 * std::numbers::pi / wavelengths_[i] * wedge.distance, wedge.phi, wedge.phi_i, faces[i]);
+  }
+  void multiply_by_block(const EdgeBlock& block, Field& weight) const {
+    const Field face = reflection(block.wedge(0).reflection_o, 0);
+    for (std::size_t i = 0; i < std::size_t(count_); ++i)
+      weight[i] *= block.over_half_planes(wavelengths_[i], face[i]);
+  }
+
+  using Faces = std::array<optics::WedgeFaces, kWavelengths>;
+  /// Returns the reflection coefficients of a wedge's faces. Each face reflects as at the grazing angle of the end
+  /// of the light that is nearer to it. For an observer farther from the o-face than the source that is the
+  /// heuristic of Luebbers 1984; his form is not reciprocal, this one is.
+  Faces faces_of(const EdgeWedge& wedge) const {
     const Field o =
         reflection(wedge.reflection_o, wedge.sin_beta * std::sin(std::min(wedge.phi, wedge.phi_i)));
     const Field n =
         reflection(wedge.reflection_n,
                    wedge.sin_beta * std::sin(wedge.n * std::numbers::pi - std::max(wedge.phi, wedge.phi_i)));
-    for (std::size_t i = 0; i < std::size_t(count_); ++i)
-      weight[i] *= optics::Wedge(wedge.n).over_half_plane(
-          2 * std::numbers::pi / wavelengths_[i] * wedge.distance, wedge.phi, wedge.phi_i, {o[i], n[i]});
+    Faces faces;
+    for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = {o[i], n[i]};
+    return faces;
   }
 
   /// Returns the amplitudes with which a face reflects waves of the polarisation, 0 where it absorbs. `cos_i`: cosine of the angle of
@@ -316,14 +376,14 @@ private:
   bool is_open_;
   const Wavelengths& w_;
   std::array<double, kWavelengths> wavelengths_;
-  double longest_ = 0;
+  double shortest_ = kInfinity, longest_ = 0;
   int count_ = kWavelengths;
   Field field_;
   bool any_ = false;
   bool is_wedge_ = false, is_hard_ = false;  ///< whether edges act as wedges, and in which polarisation
   const EdgeScreens* screens_ = nullptr;
+  std::span<const EdgeBeside> beside_;
   std::vector<double> cuts_;
-  std::deque<MeshEdge> rims_;  ///< outlines of spheres
 };
 
 /// Returns the probability with which a ray continues behind all obstacles between `begin`, next to `origin`,
@@ -369,12 +429,13 @@ float probability_behind(const Scene& scene, const Vec3& origin, const Vec3& d, 
     ray.from = ray.from + ray.d * (2.0 * double(length(scene.tracer().bounds().diagonal())));
     ray.d = -ray.d;
   }
+  const auto is_lit = [&](const Double3& beside) {
+    const Vec3 p = beside.to_float();
+    return is_free(scene, p, from_infinity ? ray.d.to_float() : origin + d * (1e-5f * length(p - origin)),
+                   from_infinity, w);
+  };
   const double v =
-      edges.smallest_parameter(kMost, ray, edges.wavelength(max_component(w.nm)), [&](const Double3& beside) {
-        const Vec3 p = beside.to_float();
-        return is_free(scene, p, from_infinity ? ray.d.to_float() : origin + d * (1e-5f * length(p - origin)),
-                       from_infinity, w);
-      });
+      edges.smallest_parameter(kMost, ray, edges.wavelength(max_component(w.nm)), std::cref(is_lit));
   // The power in the shadow falls with v^-2. A power map shows it in dB, so that the probability falls with v^-1.
   return v <= kMost ? float(0.5 / (1 + v / kHalf)) : 0.f;
 }

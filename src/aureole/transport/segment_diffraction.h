@@ -14,6 +14,39 @@ namespace aureole {
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w);
 
+/// Segments of a path whose diffraction factors its throughput does not contain yet. They are computed when the
+/// path is known to carry light: most paths in shadows never do.
+class PendingSegments {
+public:
+  struct Pending {
+    Vec3 origin, d;
+    float length;
+    bool is_open;
+  };
+  bool is_empty() const { return count_ == 0; }
+  /// Adds a segment. Returns false if there is no room for it.
+  bool add(const Pending& segment) {
+    if (count_ == kMaxSegments) return false;
+    segments_[count_++] = segment;
+    return true;
+  }
+  /// Returns the product of their factors, and removes them.
+  Spectrum take_factors(const Scene& scene, const Wavelengths& w) {
+    Spectrum product = 1.f;
+    for (int i = 0; i < count_; ++i) {
+      const Pending& p = segments_[i];
+      product *= segment_diffraction(scene, p.origin, p.d, p.length, p.is_open, w);
+    }
+    count_ = 0;
+    return product;
+  }
+
+private:
+  static constexpr int kMaxSegments = 6;
+  Pending segments_[kMaxSegments];
+  int count_ = 0;
+};
+
 /// Returns the probability with which a ray continues behind an obstacle that it has hit, into the shadow. It
 /// falls with Fresnel's parameter of the nearest edge that light along the ray reaches, and is 0 if there is
 /// none near. It is equal for all obstacles along a ray. `from_infinity`: the ray is light of an emitter at

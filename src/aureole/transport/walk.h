@@ -64,6 +64,9 @@ public:
   static constexpr bool kFromSensor = Kind::Density::kBegin == PathStart::sensor;
   /// Edges diffract light (transport/edge_walk.h).
   static constexpr bool kDiffracts = kAny && std::is_same_v<typename Kind::L, Unpolarised>;
+  /// Diffraction factors of segments are computed when the path adds light to the result. Paths whose throughput
+  /// is used in other ways compute them at once.
+  static constexpr bool kDefersDiffraction = false;
   static constexpr TransportMode kMode = kFromSensor ? TransportMode::radiance : TransportMode::importance;
   using L = typename Kind::L;
   using Vertex = BasicVertex<Kind::kSpace, L>;
@@ -79,7 +82,7 @@ public:
         paths_(in.paths),
         log_(in.log),
         states_(in.arena.make<State>(in.paths.size()).data()),
-        diffraction_(in.arena.make<DiffractionState>(kAny ? in.paths.size() : 0).data()),
+        diffraction_(in.arena.make<WalkDiffraction>(kAny ? in.paths.size() : 0).data()),
         vertices_(in.arena, in.paths.size()),
         below_(in.arena, in.paths.size()),
         edges_(in.scene) {
@@ -105,7 +108,9 @@ public:
   Event emit(int i);
   bool scatter(int i);
   void emerge(PathList& vertices) requires(Kind::kEmerges);
-  void end_connection(int i, int k, const Connection& c, bool open) {
+  void end_connection(int i, int k, Connection& c, bool open) {
+    if constexpr (kDiffracts)
+      if (open) c.passage *= edges_.count_pending(self(), i);
     if constexpr (kAny)
       if (k == 0) states_[i].is_connected = open;
     self().connected(i, k, c, open);
@@ -120,7 +125,7 @@ public:
   Path& path(int i) { return paths_[size_t(i)]; }
   const BatchLog& log() const { return log_; }
   State& state(int i) { return states_[i]; }
-  DiffractionState& diffraction(int i) requires kAny { return diffraction_[i]; }
+  WalkDiffraction& diffraction(int i) requires kAny { return diffraction_[i]; }
   Vertex& vertex(int i) { return vertices_[i]; }
   /// Throughput and pdfs at the present vertex.
   const Density& vertex_density(int i) const { return states_[i].density; }
@@ -257,8 +262,8 @@ protected:
   const PathLimits& limits_;
   const std::span<Path> paths_;
   const BatchLog& log_;
-  State* const states_;                  ///< of each path
-  DiffractionState* const diffraction_;  ///< of each path, apart from what every step uses
+  State* const states_;                 ///< of each path
+  WalkDiffraction* const diffraction_;  ///< of each path, apart from what every step uses
   typename Kind::Vertices vertices_;
 
 private:
@@ -275,6 +280,12 @@ private:
     Contact& contact = contacts_[std::size_t(i)];
     const Segment& segment = states_[i].segment;
     return find_contact(scene_, segment.ray, hit, segment, wavelengths(i), contact) ? &contact : nullptr;
+  }
+  /// Adds the radiance of a light that the ray has reached.
+  void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
+    if constexpr (kDiffracts)
+      if (!is_black(radiance)) edges_.count_pending(self(), i);
+    self().emission(i, light, point, radiance);
   }
   Event sample_medium(int i, float t_max);
   Event transmit(int i, float t_max);
@@ -346,6 +357,7 @@ template <class Self, class Kind>
         if (const Light* light = vertex.light(); light && behind > 0) {
           // The emission of a light counts whether or not the ray goes on behind it.
           is_emission_counted = true;
+          edges_.count_pending(self(), i);
           self().emission(i, *light, &vertex.point(),
                           light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths) *
                               edges_.factor(self(), i, s.segment.behind));
@@ -368,8 +380,8 @@ template <class Self, class Kind>
         return Event::crossed;
       }
       if (!is_emission_counted)
-        self().emission(i, *light, &vertex.point(),
-                        light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
+        add_emission(i, *light, &vertex.point(),
+                     light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
     }
     s.last = !reaches(i, 2);
     if (s.last && (!vertex.surface().passable || limits_.counts(vertex.surface()))) {
@@ -446,7 +458,7 @@ Event Walk<Self, Kind>::escape(int i) {
   }
   if constexpr (kFromSensor)
     for (const Light* light : scene_.infinite_emitters())
-      self().emission(i, *light, nullptr, light->eval_escaped(s.segment.ray.d, path.wavelengths));
+      add_emission(i, *light, nullptr, light->eval_escaped(s.segment.ray.d, path.wavelengths));
   return Event::escape;
 }
 

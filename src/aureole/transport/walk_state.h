@@ -10,6 +10,7 @@
 #include "aureole/transport/path.h"
 #include "aureole/transport/path_limits.h"
 #include "aureole/transport/path_log.h"
+#include "aureole/transport/segment_diffraction.h"
 
 namespace aureole {
 
@@ -33,6 +34,11 @@ struct WalkStateInSpace {
   float first_throughput = 1;
 };
 struct WalkStateInEmptySpace {};
+
+/// State of diffraction of a path in `Space::any`, which lies apart from what every step uses.
+struct WalkDiffraction : DiffractionState {
+  PendingSegments pending;
+};
 
 template <Space kSpace, class Density>
 struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, WalkStateInEmptySpace> {

@@ -334,6 +334,7 @@ TEST(BrdfFits, TrueModelWinsAndItsIntervalsHoldTheParameters) {
     const GonioTable t = measure_scattering(bench_of(512), material(c.xml), s, plan);
     FitSettings f;
     f.lamp_angle = s.lamp_angle, f.detector_angle = s.detector_angle, f.floor = 1e-3;
+    f.viewed_m = s.viewed_m, f.distance_m = s.distance_m;
     const std::vector<BrdfFit> fits = fit_brdfs(t, f);
     const BrdfFit own = fit_of(fits, c.model);
     EXPECT_LT(own.chi_squared / double(own.readings), 1.35) << c.model;
@@ -358,6 +359,32 @@ TEST(BrdfFits, TrueModelWinsAndItsIntervalsHoldTheParameters) {
   }
   // Intervals of 95 %: of 16 parameters at least 12, but for a chance of 1e-3.
   EXPECT_GE(covered, all - 4) << covered << " of " << all;
+}
+
+// At grazing incidence directions differ over the viewed area by as much as within the cones: fits average over both.
+TEST(BrdfFits, GrazingReadingsDoNotBiasTheFit) {
+  for (const double alpha : {0.1, 0.2}) {
+    GoniometerSettings s;
+    s.noise = 0.003;
+    const GonioTable t = measure_scattering(
+        bench_of(2048),
+        material(
+            "<bsdf type=\"roughconductor\"><string name=\"material\" value=\"none\"/><string name=\"distribution\" "
+            "value=\"ggx\"/><float name=\"specular_reflectance\" value=\"0.7\"/><float name=\"alpha\" value=\"" +
+            std::to_string(alpha) + "\"/></bsdf>"),
+        s, plan_of(GonioPlan::Kind::hemispherical, {0, 20, 40, 55, 68, 77, 83, 87}, 240));
+    FitSettings f;
+    f.models = {"ggx"}, f.lamp_angle = s.lamp_angle, f.detector_angle = s.detector_angle;
+    const double biased = fit_of(fit_brdfs(t, f), "ggx").parameters.back().value;
+    f.viewed_m = s.viewed_m, f.distance_m = s.distance_m;
+    const BrdfFit fit = fit_of(fit_brdfs(t, f), "ggx");
+    const FittedParameter& p = fit.parameters.back();
+    ASSERT_EQ(p.name, "alpha");
+    EXPECT_NEAR(p.value, alpha, 3 * 0.51 * (p.high - p.low)) << alpha;
+    EXPECT_LT(p.high - p.low, 0.01 * alpha) << alpha;
+    EXPECT_GT(std::abs(biased - alpha), 2 * std::abs(p.value - alpha)) << alpha;
+    EXPECT_LT(fit.chi_squared / double(fit.readings), 1.5) << alpha;
+  }
 }
 
 TEST(BrdfFits, BeckmannAndGgxAreToldApart) {

@@ -219,16 +219,71 @@ TEST(Spectrophotometer, HazeOfAGaussianSheetIsTheTailOfItsDistribution) {
   EXPECT_NEAR(h.total, 1, 2e-3);
   EXPECT_NEAR(h.haze, std::exp(-0.5 * 2.5 * 2.5), 4.5 * h.haze_error + 0.02 * 0.04394);
   EXPECT_LT(h.haze_error, 0.02 * 0.04394);
-  // Clear glass has none, with the usual settings, too.
-  EXPECT_NEAR(measure_haze(bench_of(1 << 14), specimen_of(R"(<bsdf type="thindielectric"/>)"),
-                           at("0:de", true), 2.5, {1})
-                  .haze,
-              0, 1e-3);
-  // The traced sphere with its port behind the sample.
+  // The traced sphere, with its port behind the sample and its second beam.
   s.by_theory = false;
   const Haze traced = measure_haze(bench_of(1 << 17), sheet, s, 2.5, {1});
-  EXPECT_NEAR(traced.haze, 0.04394, 4.5 * traced.haze_error + 0.05 * 0.04394);
-  EXPECT_LT(traced.haze_error, 0.25 * 0.04394);
+  EXPECT_NEAR(traced.haze, std::exp(-0.5 * 2.5 * 2.5), 4.5 * traced.haze_error);
+  EXPECT_LT(traced.haze_error, 0.05 * 0.04394);
+  EXPECT_GT(traced.haze_error, 0.005 * 0.04394);
+  EXPECT_NEAR(traced.total, 1, 4.5 * traced.total_error);
+  EXPECT_LT(traced.total_error, 0.015);
+}
+
+// Bands share paths: an error that took them for independent would be a quarter of it.
+TEST(Spectrophotometer, ErrorOfLuminanceKnowsThatBandsShareTheirPaths) {
+  std::vector<double> nm;
+  for (double x = 400; x <= 700; x += 20) nm.push_back(x);
+  const std::vector<double> weights = luminance_weights(nm);
+  Specimen sheet{.name = "sheet"};
+  sheet.bsdf = build<Bsdf>("<bsdf type=\"test_gaussian_sheet\"/>");
+  SpectrophotometerSettings s = at("0:di", true);
+  double squares = 0;
+  constexpr int kSeeds = 16;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const Haze h = measure_haze(bench_of(1 << 13, nm, std::uint64_t(seed + 1)), sheet, s, 2.5, weights);
+    squares += std::pow((h.total - 1) / h.total_error, 2);
+    EXPECT_LT(h.total_error, 0.1);
+  }
+  // The mean of z^2 over 16 seeds, of Student's distribution with 15 degrees of freedom: variance 1.154.
+  EXPECT_LT(squares / kSeeds, 2.6);
+  EXPECT_GT(squares / kSeeds, 0.3);
+}
+
+Specimen pane_of_index(const std::string& n) {
+  Specimen pane{.name = "pane"};
+  pane.bsdf = build<Bsdf>("<bsdf type=\"thindielectric\"><float name=\"int_ior\" value=\"" + n +
+                          "\"/><float name=\"ext_ior\" value=\"1\"/></bsdf>");
+  return pane;
+}
+
+TEST(Spectrophotometer, ClearGlassHasNoHazeAndItsTransmittance) {
+  // A pane of both surfaces: T = (1 - r)/(1 + r), r = ((n - 1)/(n + 1))^2. The usual settings trace the sphere.
+  const Specimen pane = pane_of_index("1.5");
+  const double t = (1 - 0.04) / (1 + 0.04);
+  for (const bool by_theory : {false, true}) {
+    SpectrophotometerSettings s = at("0:de", true);
+    s.by_theory = by_theory;
+    const Haze h = measure_haze(bench_of(1 << 17), pane, s, 2.5, {1});
+    EXPECT_NEAR(h.haze, 0, 1e-6) << by_theory;
+    EXPECT_NEAR(h.total, t, 4.5 * h.total_error + 1e-4) << by_theory;
+    EXPECT_LT(h.total_error, by_theory ? 1e-3 : 8e-3);
+  }
+}
+
+TEST(Spectrophotometer, APaneInThePortBrightensTheSphereUnlessItHasASecondBeam) {
+  const Specimen pane = pane_of_index("1.8");
+  const double r = std::pow(0.8 / 2.8, 2), t = (1 - r) / (1 + r);
+  SpectrophotometerSettings s = at("0:di", true);
+  s.lamp_angle = 0.5, s.lit_m = s.viewed_m = 4e-3, s.distance_m = 1, s.port_m = 50e-3;
+  const MeasuredSpectrum both = measure_spectrum(bench_of(1 << 17), pane, s);
+  EXPECT_NEAR(both.values[0], t, 4.5 * both.error(0));
+  EXPECT_LT(both.error(0), 0.01);
+  s.method = Method::substitution;
+  const MeasuredSpectrum alone = measure_spectrum(bench_of(1 << 17), pane, s);
+  s.by_theory = true;
+  const MeasuredSpectrum theory = measure_spectrum(bench_of(1 << 14), pane, s);
+  EXPECT_NEAR(alone.values[0], theory.values[0], 4.5 * alone.error(0) + 4e-3);
+  EXPECT_GT(alone.values[0], t + 10 * alone.error(0));
 }
 
 /// Fresnel's reflectance of unpolarised light, written anew.

@@ -31,6 +31,47 @@ Image render(const LoadedScene& loaded, std::int64_t samples) {
   EXPECT_EQ(job.state().invalid_samples, 0u);
   return job.state().picture();
 }
+/// A mean over replicates with its standard error.
+struct MeanOfRuns {
+  double mean = 0, error = 0;
+};
+/// Runs with seeds of their own, and the mean of a number of each.
+class LuminaireRuns {
+public:
+  LuminaireRuns(const LoadedScene& loaded, std::int64_t samples, const GoniometryOptions& how) {
+    constexpr int kReplicates = 8;
+    for (int k = 0; k < kReplicates; ++k) {
+      RenderOptions options;
+      options.end = samples, options.seed = std::uint64_t(200 + k);
+      RenderJob job(loaded, options);
+      job.run(std::atomic<bool>(false));
+      EXPECT_EQ(job.state().invalid_samples, 0u);
+      runs_.push_back(measured_luminaire(job.state().picture(), how));
+    }
+  }
+  template <class F>
+  MeanOfRuns mean(const F& f) const {
+    double sum = 0, squares = 0;
+    for (const Luminaire& l : runs_) sum += f(l), squares += f(l) * f(l);
+    const double n = double(runs_.size()), mean = sum / n;
+    return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
+  }
+  const Luminaire& first() const { return runs_.front(); }
+  MeanOfRuns intensity(double c, double gamma) const {
+    return mean([&](const Luminaire& l) { return l.distribution.at(c, gamma); });
+  }
+  MeanOfRuns flux() const {
+    return mean([](const Luminaire& l) { return l.distribution.flux(); });
+  }
+
+private:
+  std::vector<Luminaire> runs_;
+};
+/// Within three standard errors, which are less than `most` of the value.
+void expect_mean(const MeanOfRuns& m, double expected, double most, const std::string& what) {
+  EXPECT_LT(m.error, most * expected) << what;
+  EXPECT_NEAR(m.mean, expected, 3 * m.error + 2e-4 * expected) << what;
+}
 /// A goniophotometer with +z for the direction of both angles zero.
 std::string goniophotometer(int width, int height) {
   return "<sensor type='goniophotometer'><film type='hdrfilm'><integer name='width' value='" +
@@ -43,37 +84,82 @@ TEST(Goniophotometry, ALambertianDiscAndItsFlux) {
   const std::string disc =
       "<shape type='disk'><transform name='to_world'><scale value='0.5'/></transform><emitter type='area'>"
       "<string name='amount' value='1000 cd/m^2'/></emitter></shape>";
+  const double peak = 1000 * M_PI / 4;
   for (const char* integrator : {"ptracer", "path"}) {
-    const Luminaire l = measured_luminaire(render(scene(goniophotometer(8, 37) + disc, integrator), 4096),
-                                           {.symmetry = GoniometryOptions::Symmetry::rotational});
-    const double peak = 1000 * M_PI / 4;
+    const LuminaireRuns runs(scene(goniophotometer(8, 37) + disc, integrator), 2048,
+                             {.symmetry = GoniometryOptions::Symmetry::rotational});
+    // "path" finds the disc by rays from a circle about the scene, and at 0 degrees by those of 8 half-planes.
     for (const double gamma : {0.0, 30.0, 60.0, 80.0})
-      EXPECT_NEAR(l.distribution.at(0, gamma), peak * std::cos(gamma * M_PI / 180), 0.02 * peak)
-          << integrator << gamma;
-    EXPECT_EQ(l.distribution.at(0, 95), 0);
-    EXPECT_NEAR(l.distribution.flux(), M_PI * peak, 0.01 * M_PI * peak);
-    const LuminaireFigures f = luminaire_figures(l);
-    EXPECT_NEAR(f.beam[0], 120, 3);
-    EXPECT_NEAR(f.downward_flux, f.flux, 1e-9);
+      expect_mean(runs.intensity(0, gamma), peak * std::cos(gamma * M_PI / 180), 0.003,
+                  integrator + std::to_string(gamma));
+    EXPECT_EQ(runs.intensity(0, 95).mean, 0);
+    // The flux of intensities that are linear over 5 degrees: by trapezoids of the exact ones, with exact weights.
+    double flux = 0;
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double gamma = 90 * (i + 0.5) / kSteps, low = 5 * std::floor(gamma / 5), t = (gamma - low) / 5;
+      const auto cosine = [](double degrees) { return std::max(0.0, std::cos(degrees * M_PI / 180)); };
+      flux += 2 * M_PI * peak * ((1 - t) * cosine(low) + t * cosine(low + 5)) * std::sin(gamma * M_PI / 180) *
+              (M_PI / 2 / kSteps);
+    }
+    EXPECT_NEAR(flux, M_PI * peak, 1.5e-3 * M_PI * peak);
+    expect_mean(runs.flux(), flux, 0.003, integrator);
+    const MeanOfRuns beam = runs.mean([](const Luminaire& l) { return luminaire_figures(l).beam[0]; });
+    EXPECT_LT(beam.error, 0.003 * 120) << integrator;
+    // Twice the angle at which linear intensities fall to half: 60 degrees is one of the table.
+    EXPECT_NEAR(beam.mean, 120, 3 * beam.error + 0.1) << integrator;
+    const MeanOfRuns upward = runs.mean([](const Luminaire& l) {
+      const LuminaireFigures f = luminaire_figures(l);
+      return f.flux - f.downward_flux;
+    });
+    EXPECT_NEAR(upward.mean, 0, 1e-9);
   }
 }
 
 TEST(Goniophotometry, AFileComesBackThroughAScene) {
-  // The twin batten over its angles, from which a scene, a measurement and both files are made.
+  // The twin batten over its angles, from which a scene, measurements and files of both formats are made.
   const std::filesystem::path file = example_file("batten.ldt");
   const Luminaire given = read_luminaire(file);
   const std::string lamp =
       "<emitter type='photometric'><string name='filename' value='" + file.string() + "'/></emitter>";
-  const Luminaire measured = measured_luminaire(render(scene(goniophotometer(24, 37) + lamp), 16), {});
+  const LuminaireRuns runs(scene(goniophotometer(24, 37) + lamp), 64, {});
+  expect_mean(runs.flux(), given.distribution.flux(), 0.003, "flux");
+  // The batten is seen from 1000 radii of the scene: directions to its parts differ by up to 0.001 rad, within which the
+  // intensities between the file's angles change linearly; parts on both sides cancel but for a tenth of that.
+  const auto change_nearby = [&](int i, int j) {
+    constexpr double kStep = 0.001 * 180 / M_PI;
+    double change = 0;
+    for (const double dc : {-kStep, 0.0, kStep})
+      for (const double dg : {-kStep, 0.0, kStep}) {
+        const double gamma = 5 * j + dg, sine = std::max(std::sin(5 * j * M_PI / 180), 0.01);
+        const double near =
+            given.distribution.intensity(given.distribution.direction(15 * i + dc / sine, gamma));
+        change = std::max(
+            change,
+            std::abs(near - given.distribution.intensity(given.distribution.direction(15 * i, 5 * j))));
+      }
+    return change;
+  };
+  for (int i = 0; i < 24; ++i)
+    for (int j = 0; j < 37; ++j) {
+      const auto d = given.distribution.direction(15 * i, 5 * j);
+      const double cd = given.distribution.intensity(d);
+      const MeanOfRuns m = runs.mean([&](const Luminaire& l) { return l.distribution.intensity(d); });
+      const double change = change_nearby(i, j);
+      EXPECT_LT(m.error, 0.003 * cd + 0.01 * change) << i << " " << j;
+      EXPECT_LT(change, 2e-3 * given.distribution.maximum()) << i << " " << j;
+      EXPECT_NEAR(m.mean, cd, 3 * m.error + 0.1 * change + 1e-5 * cd) << i << " " << j;
+    }
+  // The files hold what was measured, to their six digits.
+  const Luminaire& measured = runs.first();
   EXPECT_TRUE(measured.is_absolute);
   for (const std::string& text : {ies_text(measured), eulumdat_text(measured)}) {
     const Luminaire back = parse_luminaire(text, "back");
-    EXPECT_NEAR(back.distribution.flux(), given.distribution.flux(), 1e-3 * given.distribution.flux());
     for (int i = 0; i < 24; ++i)
       for (int j = 0; j < 37; ++j) {
         const auto d = given.distribution.direction(15 * i, 5 * j);
-        const double cd = given.distribution.intensity(d);
-        EXPECT_NEAR(back.distribution.intensity(d), cd, 3e-3 * cd + 0.5) << i << " " << j;
+        const double cd = measured.distribution.intensity(d);
+        EXPECT_NEAR(back.distribution.intensity(d), cd, 1e-5 * cd) << i << " " << j;
       }
   }
 }
@@ -97,11 +183,14 @@ TEST(Goniophotometry, LightFromAMirrorIsFound) {
       goniophotometer(4, 91) +
       "<emitter type='point'><string name='amount' value='100 cd'/><point name='position' x='0' y='0' z='0.01'/></emitter>"
       "<shape type='rectangle'><bsdf type='twosided'><bsdf type='conductor'><string name='material' value='none'/></bsdf></bsdf></shape>";
-  const Luminaire l =
-      measured_luminaire(render(scene(content), 4096), {.symmetry = GoniometryOptions::Symmetry::rotational});
-  for (const double gamma : {20.0, 40.0, 60.0}) EXPECT_NEAR(l.distribution.at(0, gamma), 200, 20) << gamma;
-  EXPECT_LT(l.distribution.at(0, 120), 1);
-  EXPECT_NEAR(l.distribution.flux(), 400 * M_PI, 0.02 * 400 * M_PI);
+  const LuminaireRuns runs(scene(content), 2048, {.symmetry = GoniometryOptions::Symmetry::rotational});
+  for (const double gamma : {20.0, 40.0, 60.0})
+    expect_mean(runs.intensity(0, gamma), 200, 0.01, std::to_string(gamma));
+  EXPECT_EQ(runs.intensity(0, 120).mean, 0);
+  // The mirror fills all but 0.6 degrees of the lower hemisphere.
+  const MeanOfRuns flux = runs.flux();
+  EXPECT_LT(flux.error, 0.003 * flux.mean);
+  EXPECT_NEAR(flux.mean, 400 * M_PI, 3 * flux.error + 0.005 * 400 * M_PI);
 }
 
 TEST(Goniophotometry, SymmetriesAverageWhatIsAlike) {
@@ -164,6 +253,14 @@ TEST(Photometry, StatisticsAndScales) {
   EXPECT_NEAR(s.diversity(), 1 / 7.0, 1e-12);
   EXPECT_EQ(map_statistics(map, {1, 0, 2, 1}).mean, 250);
   EXPECT_THROW(map_statistics(map, {1, 0, 4, 1}), Error);
+  // Cells of areas 1, 3, 0 and 2: means and medians by them; a cell without area is none.
+  PhotometricMap uneven{2, 2, {10, 20, 1000, 40}, "illuminance", "lx", {1, 3, 0, 2}};
+  const MapStatistics by_area = map_statistics(uneven, {0, 0, 2, 2});
+  EXPECT_EQ(by_area.count, 3u);
+  EXPECT_NEAR(by_area.mean, (10 + 60 + 80) / 6.0, 1e-12);
+  EXPECT_EQ(by_area.median, 20);
+  EXPECT_EQ(by_area.max, 40);
+  EXPECT_NEAR(by_area.sum, 70, 1e-12);
   EXPECT_THROW(map_statistics(map, {3, 1, 1, 1}), Error);
   const ColorScale linear = map_scale(map, {}, 1000, false, {300, 500});
   EXPECT_EQ(linear.low, 0);

@@ -75,5 +75,24 @@ TEST(SvgPlot, LegendKeepsClearOfCurves) {
   EXPECT_LT(symbol(both).second + 18 + 5, *std::min_element(y.begin(), y.end()));
 }
 
+TEST(SvgPlot, NamesReplaceTicksAndAnAxisMayBeginAboveZero) {
+  PlotSeries points{.kind = PlotSeries::Kind::points, .x = {1, 2}, .y = {0.28, 0.31}, .low = {}, .high = {}};
+  Plot plot{"t", "x", "y", {points}};
+  plot.names = {"45a:0", "de<8"}, plot.y_from = 0.26;
+  const std::string svg = svg_plot(plot);
+  EXPECT_EQ(count(svg, ">45a:0</text>"), 1);
+  EXPECT_EQ(count(svg, ">de&lt;8</text>"), 1);
+  EXPECT_EQ(count(svg, ">1.5</text>"), 0);
+  EXPECT_EQ(count(svg, ">0.26</text>"), 1);
+  EXPECT_EQ(count(svg, ">0</text>"), 0);
+  // Points stand a quarter and three quarters of the way along the axis.
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(svg, found, std::regex("<circle cx=\"([0-9.]+)\"")));
+  EXPECT_NEAR(std::stod(found[1]), 70 + 0.25 * 550, 0.01);
+  // Values below the stated end lower it.
+  plot.series[0].y[0] = 0.1;
+  EXPECT_EQ(count(svg_plot(plot), ">0.26</text>"), 0);
+}
+
 }  // namespace
 }  // namespace aureole::test

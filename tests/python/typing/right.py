@@ -35,12 +35,13 @@ def lamps(path: str) -> float:
     both = aureole.illumination(path, 16, runs=4, progress=False)
     lamp = aureole.goniophotometer(path, 64, c_step=30)
     lamp.save("lamp.ies")
+    glare: aureole.UgrData = aureole.ugr(lamp, spacing=1, uncorrected=True)
     glass = aureole.lens("double_gauss.lens", f_number=4, fields=[0, 5.0])
     raw = aureole.expose(path, exposure=0.01, frames=2, gain=0.5)
     field = aureole.lightfield(path)
     view: aureole.Image = field.picture((0.0, 0.1), diameter=0.2)
     lit = aureole.optics.disc_solid_angle([0, 0, 2], [0, 0, 1], 1.0, normal=[0, 0, 1])
-    return seen.regions[0].mean + float(both.total[0]) + lamp.flux + glass.focal_length + float(raw.electrons.mean()) + view.height + float(lit.projected)
+    return seen.regions[0].mean + float(both.total[0]) + lamp.flux + float(glare.crosswise[0, 0]) + glass.focal_length + float(raw.electrons.mean()) + view.height + float(lit.projected)
 
 
 def brightness(path: str) -> float:

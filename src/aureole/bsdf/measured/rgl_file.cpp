@@ -83,8 +83,7 @@ RglFile read_rgl_file(const std::filesystem::path& path, RglNotes& notes) {
   std::atomic<std::size_t> negative = 0;
   for_ranges(r.spectra.size(), [&](std::size_t begin, std::size_t end) {
     std::size_t found = 0;
-    for (std::size_t i = begin; i < end; ++i)
-      if (r.spectra[i] < 0) r.spectra[i] = 0, ++found;
+    for (std::size_t i = begin; i < end; ++i) found += r.spectra[i] < 0;
     negative += found;
   });
   notes.negative_spectra = negative;

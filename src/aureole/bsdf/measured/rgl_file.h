@@ -40,7 +40,7 @@ struct RglFile {
 
 /// Faults of a file that are noted, not errors.
 struct RglNotes {
-  /// number of values of `spectra` below zero, which were replaced by zero
+  /// number of values of `spectra` below zero: noise, or colours outside of sRGB's gamut
   std::size_t negative_spectra = 0;
 };
 

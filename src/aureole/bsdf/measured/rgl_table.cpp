@@ -18,6 +18,15 @@
 namespace aureole {
 namespace {
 
+/// Tables of up to this number of channels are interpolated in registers.
+constexpr std::size_t kFew = 32;
+
+float largest_magnitude(const std::vector<float>& values) {
+  float largest = 0;
+  for (const float v : values) largest = std::max(largest, std::abs(v));
+  return largest;
+}
+
 Spectrum load(const float* values) {
   Spectrum s;
   std::memcpy(s.data(), values, sizeof(float) * std::size_t(kWavelengths));
@@ -62,21 +71,34 @@ RglTable::RglTable(const RglFile& file, const SpectralGrid& grid)
   else
     primaries_ = rgb_primaries(grid);
   stride_ = is_spectral_ ? wavelengths_.count() : 3;
-  // Vectors of wavelengths may reach beyond the last node.
-  spectra_.resize(nodes_.count() * area * stride_ + std::size_t(kWavelengths));
+  // Slices whose distance is no multiple of the size of a page do not compete for the same lines of the caches.
+  slice_rows_ = area + 3;
+  if (stride_ > kFew) {
+    rows_ = SpectralRows(grid, wavelengths_, nodes_.count() * slice_rows_, largest_magnitude(file.spectra));
+  } else {
+    // Vectors of wavelengths may reach beyond the last node.
+    spectra_.resize(nodes_.count() * area * stride_ + std::size_t(kWavelengths));
+  }
   // The file stores an array for each channel; the table keeps all channels of a node together.
   for_ranges(
       nodes_.count() * std::size_t(height_),
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-          const std::size_t slice = row / std::size_t(height_), y = row % std::size_t(height_);
+        std::vector<float> row(std::size_t(width_) * stride_);
+        for (std::size_t r = begin; r < end; ++r) {
+          const std::size_t slice = r / std::size_t(height_), y = r % std::size_t(height_);
           for (std::size_t c = 0; c < stride_; ++c) {
             const std::size_t channel = is_spectral_ ? wavelengths_.source(c) : c;
             const float* from =
                 file.spectra.data() + (slice * channels + channel) * area + y * std::size_t(width_);
-            float* to = spectra_.data() + row * std::size_t(width_) * stride_ + c;
-            for (int x = 0; x < width_; ++x) to[std::size_t(x) * stride_] = from[x];
+            for (std::size_t x = 0; x < std::size_t(width_); ++x) row[x * stride_ + c] = from[x];
           }
+          const std::size_t node = r * std::size_t(width_);
+          if (stride_ > kFew)
+            for (std::size_t x = 0; x < std::size_t(width_); ++x)
+              rows_.set(slice * slice_rows_ + y * std::size_t(width_) + x,
+                        std::span(row).subspan(x * stride_, stride_));
+          else
+            std::copy(row.begin(), row.end(), spectra_.begin() + std::ptrdiff_t(node * stride_));
         }
       },
       8);
@@ -133,35 +155,34 @@ inline Spectrum RglTable::spectrum(const SliceBlend& blend, const SquareCell& ce
     return primaries_[0].eval(w) * c[0] + primaries_[1].eval(w) * c[1] + primaries_[2].eval(w) * c[2];
   }
   const SpectralNodes::Place place = wavelengths_.at(w);
+  if (stride_ > kFew) {
+    std::array<std::uint32_t, 4> rows;
+    for (std::size_t k = 0; k < 4; ++k) rows[k] = std::uint32_t(blend.slice[k] * slice_rows_ + cell.node);
+    const SpectralRows::Corners corners{std::size_t(width_), cell.s, cell.t};
+    const float* const weight = blend.weight.data();
+    return max(blend.count == 4   ? rows_.sum<4>(rows.data(), weight, corners, place)
+               : blend.count == 2 ? rows_.sum<2>(rows.data(), weight, corners, place)
+                                  : rows_.sum<1>(rows.data(), weight, corners, place),
+               0.f);
+  }
   const std::size_t slice_size = std::size_t(width_) * std::size_t(height_) * stride_,
                     row_size = std::size_t(width_) * stride_;
   const float* const base = spectra_.data() + cell.node * stride_;
   const float low = 1 - cell.t, high = cell.t, left = 1 - cell.s, right = cell.s;
-  if (constexpr std::size_t kFew = 32; stride_ <= kFew) {
-    // All wavelengths of the table at once, which lie together in memory, then those of the path.
-    RegisterSum sum(place);
-    for (int c = 0; c < int(stride_); c += kWavelengths) {
-      Spectrum all(0.f);
-      for (int k = 0; k < blend.count; ++k) {
-        const float* const node = base + blend.slice[std::size_t(k)] * slice_size + c;
-        const float* const above = node + row_size;
-        all += ((load(node) * left + load(node + stride_) * right) * low +
-                (load(above) * left + load(above + stride_) * right) * high) *
-               blend.weight[std::size_t(k)];
-      }
-      sum.add(all, c);
+  // All wavelengths of the table at once, which lie together in memory, then those of the path.
+  RegisterSum sum(place);
+  for (int c = 0; c < int(stride_); c += kWavelengths) {
+    Spectrum all(0.f);
+    for (int k = 0; k < blend.count; ++k) {
+      const float* const node = base + blend.slice[std::size_t(k)] * slice_size + c;
+      const float* const above = node + row_size;
+      all += ((load(node) * left + load(node + stride_) * right) * low +
+              (load(above) * left + load(above + stride_) * right) * high) *
+             blend.weight[std::size_t(k)];
     }
-    return sum.value();
+    sum.add(all, c);
   }
-  SpectralSum sum(place);
-  for (int k = 0; k < blend.count; ++k) {
-    const float* const node = base + blend.slice[std::size_t(k)] * slice_size;
-    const float* const above = node + row_size;
-    const float weight = blend.weight[std::size_t(k)];
-    sum.add(node, weight * low * left), sum.add(node + stride_, weight * low * right);
-    sum.add(above, weight * high * left), sum.add(above + stride_, weight * high * right);
-  }
-  return sum.value();
+  return max(sum.value(), 0.f);
 }
 
 inline std::array<float, 3> RglTable::channels(const SliceBlend& blend, const SquareCell& cell) const {
@@ -178,6 +199,7 @@ inline std::array<float, 3> RglTable::channels(const SliceBlend& blend, const Sq
             (load_four(above) * left + load_four(above + 3) * right) * high) *
            blend.weight[std::size_t(k)];
   }
+  sum = sum > 0 ? sum : Four{};
   return {sum[0], sum[1], sum[2]};
 }
 
@@ -226,7 +248,7 @@ Vec3 RglTable::sample(const Vec3& wi, Vec2 u) const {
 }
 
 std::size_t RglTable::bytes() const {
-  return vndf_.bytes() + luminance_.bytes() + spectra_.size() * sizeof(float);
+  return vndf_.bytes() + luminance_.bytes() + spectra_.size() * sizeof(float) + rows_.bytes();
 }
 
 }  // namespace aureole

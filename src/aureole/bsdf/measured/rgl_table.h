@@ -9,6 +9,7 @@
 #include "aureole/bsdf/measured/bilinear_warp.h"
 #include "aureole/bsdf/measured/rgl_file.h"
 #include "aureole/bsdf/measured/spectral_nodes.h"
+#include "aureole/bsdf/measured/spectral_rows.h"
 
 namespace aureole {
 
@@ -19,7 +20,8 @@ public:
   /// Throws Error without a location for a range of azimuths that is neither the circle, half of it nor a quarter.
   RglTable(const RglFile& file, const SpectralGrid& grid);
 
-  /// f |cos theta_o| of light between wi and wo, both above the surface.
+  /// f |cos theta_o| of light between wi and wo, both above the surface. Interpolated values below zero count as zero, as in the
+  /// program of RGL's database (powitacq): measured values may be negative by noise, or outside of sRGB's gamut.
   Spectrum value(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
   /// f |cos theta_o| of the three channels of a file in linear sRGB.
   std::array<float, 3> rgb(const Vec3& wi, const Vec3& wo) const;
@@ -60,10 +62,12 @@ private:
   BilinearTable ndf_, sigma_;
   BilinearWarp vndf_, luminance_;
   int width_ = 0, height_ = 0;
-  std::size_t stride_ = 0;  ///< number of values of `spectra_` for each node of the square
+  std::size_t slice_rows_ = 0;  ///< distance of two slices in `rows_`
+  std::size_t stride_ = 0;      ///< number of values of `spectra_` for each node of the square
   SpectralNodes wavelengths_;
   std::array<SampledSpectrum, 3> primaries_;  ///< primaries of files in linear sRGB
-  std::vector<float> spectra_;                ///< values by slice, row, column and channel
+  std::vector<float> spectra_;  ///< values by slice, row, column and channel, of tables with few channels
+  SpectralRows rows_;           ///< values by slice, row and column, of tables with many wavelengths
 };
 
 }  // namespace aureole

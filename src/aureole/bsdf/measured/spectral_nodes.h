@@ -27,6 +27,7 @@ public:
   /// Number of nodes used, 2 or more: where a single wavelength of the table is used, its values are stored
   /// twice.
   std::size_t count() const { return nm_.size(); }
+  std::span<const float> nm() const { return nm_; }  ///< wavelengths of the nodes used
   /// Index in the table of the i-th node used.
   std::size_t source(std::size_t i) const { return first_ + (is_single_ ? 0 : i); }
 

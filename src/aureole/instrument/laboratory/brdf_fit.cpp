@@ -154,19 +154,27 @@ const std::vector<BrdfModel>& models() {
   return all;
 }
 
-/// Pairs of directions within the cones of lamp and detector, for one reading, by points of an additive recurrence.
+/// Pairs of directions within the cones of lamp and detector and over the viewed area, for one reading.
 struct ConePairs {
   std::vector<Vec3> in, out;
 };
 
-Vec3 within_cone(double theta, double phi, double half_angle, double u, double v) {
+constexpr double kRecurrence6 = 1.1127756842787055;  ///< the positive root of x^7 = x + 1
+
+/// A uniform point of a disc of this radius.
+Vec2 point_of_disc(double radius, double u, double v) {
+  const double r = radius * std::sqrt(u), angle = 2 * kPiD * v;
+  return {float(r * std::cos(angle)), float(r * std::sin(angle))};
+}
+
+/// The direction from a point of the sample, in units of the distance, to a point of an aperture of this half-angle.
+Vec3 towards_aperture(double theta, double phi, double half_angle, double distance, Vec2 from, double u,
+                      double v) {
   const double t = theta * kDegree, a = phi * kDegree;
   const Vec3 axis{float(std::sin(t) * std::cos(a)), float(std::sin(t) * std::sin(a)), float(std::cos(t))};
-  if (half_angle == 0) return axis;
-  // A uniform point of the aperture's disc.
-  const double r = std::tan(half_angle * kDegree) * std::sqrt(u), angle = 2 * kPiD * v;
-  return normalize(
-      axis + Frame::from_normal(axis).to_world({float(r * std::cos(angle)), float(r * std::sin(angle)), 0}));
+  const Vec2 p = point_of_disc(std::tan(half_angle * kDegree), u, v);
+  const Vec3 at = (axis + Frame::from_normal(axis).to_world({p.x, p.y, 0})) * float(distance);
+  return normalize(at - Vec3{from.x, from.y, 0});
 }
 
 class Fitter {
@@ -177,7 +185,8 @@ public:
       if (r.theta_o < 90) reflected.push_back(&r);
     const std::size_t step =
         std::max<std::size_t>(1, (reflected.size() + s.most_readings - 1) / s.most_readings);
-    const std::size_t cones = s.lamp_angle > 0 || s.detector_angle > 0 ? 16 : 1;
+    const bool is_point = s.lamp_angle == 0 && s.detector_angle == 0 && s.viewed_m == 0;
+    const std::size_t cones = is_point ? 1 : 32;
     double largest = 0;
     for (const GonioReading* r : reflected)
       for (const double f : r->f) largest = std::max(largest, f);
@@ -191,14 +200,16 @@ public:
       Reading reading{
           &r, mean, std::sqrt(error2 + std::pow(s.floor * mean, 2) + std::pow(1e-5 * largest, 2)), {}};
       for (std::size_t c = 0; c < cones; ++c) {
-        const auto at = [&](double x) {
-          const double y = 0.5 + x * double(c);
+        // Points of an additive recurrence in six dimensions (M. Roberts 2018, the R sequences).
+        const auto at = [&](int axis) {
+          const double y = 0.5 + double(c) * std::pow(kRecurrence6, -(axis + 1));
           return y - std::floor(y);
         };
-        reading.cones.in.push_back(
-            within_cone(r.theta_i, r.phi_i, s.lamp_angle, at(0.8566748838545029), at(0.733891856627126)));
-        reading.cones.out.push_back(within_cone(r.theta_o, r.phi_o, s.detector_angle, at(0.6287067210378087),
-                                                at(0.5385972572236101)));
+        const Vec2 from = point_of_disc(0.5 * s.viewed_m / s.distance_m, at(4), at(5));
+        reading.cones.in.push_back(towards_aperture(r.theta_i, r.phi_i, s.lamp_angle, kLampFarther, from,
+                                                    is_point ? 0 : at(0), at(1)));
+        reading.cones.out.push_back(
+            towards_aperture(r.theta_o, r.phi_o, s.detector_angle, 1, from, is_point ? 0 : at(2), at(3)));
       }
       readings_.push_back(std::move(reading));
     }

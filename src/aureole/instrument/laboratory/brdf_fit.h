@@ -15,6 +15,8 @@ struct FitSettings {
   std::vector<std::string> models;  ///< names of `brdf_models`; empty: all
   /// Half-angles of the cones of lamp and detector, over which models are averaged as the instrument does [degrees].
   double lamp_angle = 0, detector_angle = 0;
+  /// Diameter of the viewed area and distance of the detectors [m]: over the area, too, directions differ. 0: a point.
+  double viewed_m = 0, distance_m = 0.5;
   double floor =
       0.005;  ///< uncertainty of the model itself, relative to a reading, which joins the measured one
   std::size_t most_readings = 4000;  ///< of which as many are taken at even steps

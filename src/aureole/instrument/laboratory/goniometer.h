@@ -38,6 +38,9 @@ struct GonioPlan {
 /// width, or both sides of the plane of incidence.
 std::vector<std::array<double, 2>> outgoing_directions(GonioPlan::Kind kind, int count);
 
+/// Distance of the lamp over the one of the detectors.
+inline constexpr double kLampFarther = 1.05;
+
 struct GonioReading {
   double theta_i, phi_i, theta_o, phi_o;  ///< [degrees]; theta_o above 90: transmitted
   std::vector<double> f, error;           ///< [1/sr] and its standard uncertainty, by band

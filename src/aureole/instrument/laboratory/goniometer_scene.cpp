@@ -11,7 +11,6 @@
 namespace aureole {
 namespace {
 
-constexpr double kLampFarther = 1.05;  ///< distance of the lamp over that of the detectors
 constexpr double kReceiverGap = 1e-4;  ///< of a cosine receiver from the sample [m]
 
 }  // namespace

@@ -114,7 +114,8 @@ ReadingPair read_pair(const Bench& bench, const Specimen& specimen, const Spectr
       (s.method == Method::comparison || by_wall) && g.has_sphere() && !g.transmits && !is_diffuse;
   // The open port is measured with the specular port closed, which would take all of its light. The sphere is brighter then.
   SpectrophotometerSettings of_standard = s;
-  if (g.transmits && (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
+  if (g.transmits && (by_theory || !scenes.has_reference_beam()) &&
+      (g.light == End::sphere_without_specular || g.view == End::sphere_without_specular)) {
     of_standard.geometry = measuring_geometry(g.light < End::sphere ? "0:di" : "di:0", true);
     const SpectrophotometerScenes closed(bench, of_standard);
     if (!by_theory) scale *= closed.sphere().throughput(0) / scenes.sphere().throughput(0);
@@ -150,6 +151,10 @@ ReadingPair read_pair(const Bench& bench, const Specimen& specimen, const Spectr
   if (beside)
     return {read(bench, scenes.instrument(specimen, &standard, Reads::sample)),
             read(bench, scenes.instrument(specimen, &standard, Reads::standard_beside)), scales};
+  if (scenes.has_reference_beam())
+    return {read(bench, scenes.instrument(specimen, nullptr, Reads::sample)),
+            read(bench, scenes.instrument(specimen, nullptr, Reads::reference_beam)),
+            std::vector<double>(n, scenes.reference_flux())};
   if (s.method == Method::comparison && g.has_sphere())
     notes.push_back(fmt::format("{} has one port: sample and {} take turns (substitution)", g.name,
                                 g.transmits ? "open port" : "standard"));
@@ -165,7 +170,7 @@ ReadingPair read_pair(const Bench& bench, const Specimen& specimen, const Spectr
 /// theoretical value less its mean, and multiply the theoretical values. Errors are those of the jackknife over the replicates, which
 /// leaves out one after the other in all readings (B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans, 1982).
 void pool(const ReadingPair& traced, const ReadingPair& theory, std::vector<double>& values,
-          std::vector<double>& errors) {
+          std::vector<std::vector<double>>& deviations) {
   const std::size_t n = traced.scale.size(), replicates = traced.over.replicates();
   const auto mean_without = [&](const Readings& r, std::size_t left_out, std::size_t band) {
     double sum = 0;
@@ -203,12 +208,34 @@ void pool(const ReadingPair& traced, const ReadingPair& theory, std::vector<doub
   values = values_without(replicates);
   std::vector<std::vector<double>> parts;
   for (std::size_t k = 0; k < replicates; ++k) parts.push_back(values_without(k));
+  deviations.assign(replicates, std::vector<double>(n));
   for (std::size_t i = 0; i < n; ++i) {
-    double mean = 0, squares = 0;
+    double mean = 0;
     for (const auto& p : parts) mean += p[i] / double(replicates);
-    for (const auto& p : parts) squares += (p[i] - mean) * (p[i] - mean);
-    errors[i] = std::sqrt(squares * double(replicates - 1) / double(replicates));
+    for (std::size_t k = 0; k < replicates; ++k)
+      deviations[k][i] = double(replicates - 1) * (parts[k][i] - mean);
   }
+}
+
+/// The deviations of a quotient of readings, of which `ratio_of` makes its error.
+std::vector<std::vector<double>> deviations_of(const ReadingPair& pair, const std::vector<double>& values) {
+  std::vector<std::vector<double>> deviations(pair.over.replicates(), std::vector<double>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double under = pair.under.mean(0, i);
+    for (std::size_t k = 0; k < deviations.size(); ++k)
+      if (under != 0)
+        deviations[k][i] =
+            (pair.scale[i] * pair.over.at(k, 0, i) - values[i] * pair.under.at(k, 0, i)) / under;
+  }
+  return deviations;
+}
+
+/// The standard error of a mean of values with these deviations.
+double error_of(const std::vector<double>& deviations) {
+  const double n = double(deviations.size());
+  double squares = 0;
+  for (const double d : deviations) squares += d * d;
+  return n > 1 ? std::sqrt(squares / (n * (n - 1))) : INFINITY;
 }
 
 }  // namespace
@@ -247,6 +274,26 @@ double MeasuredSpectrum::error(std::size_t band) const {
   return std::sqrt(squares);
 }
 
+double MeasuredSpectrum::error_of_sum(const std::vector<double>& weights) const {
+  std::vector<double> sums;
+  for (const auto& replicate : deviations) {
+    double sum = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * replicate[i];
+    sums.push_back(sum);
+  }
+  double squares = std::pow(error_of(sums), 2);
+  for (const Cause& cause : causes) {
+    if (cause.name == "tracing") continue;
+    // Bands have noise of their own, and the standard and the scale of wavelengths in common.
+    double sum = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      sum +=
+          cause.name == "detector" ? std::pow(weights[i] * cause.errors[i], 2) : weights[i] * cause.errors[i];
+    squares += cause.name == "detector" ? sum : sum * sum;
+  }
+  return std::sqrt(squares);
+}
+
 MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
                                   const SpectrophotometerSettings& s) {
   const SpectrophotometerScenes scenes(bench, s);
@@ -264,15 +311,21 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
     const ReadingPair traced = read_pair(bench, specimen, s, scenes, false, m.notes);
     std::vector<std::string> of_theory;
     const ReadingPair theory = read_pair(bench, specimen, s, scenes, true, of_theory);
-    pool(traced, theory, m.values, tracing.errors);
+    pool(traced, theory, m.values, m.deviations);
   } else {
     if (s.is_pooled)
       m.notes.push_back("readings are pooled where a sphere is traced; here that has no effect");
     const ReadingPair pair = read_pair(bench, specimen, s, scenes, s.by_theory, m.notes);
     for (std::size_t i = 0; i < n; ++i) {
       const Ratio q = ratio_of(pair.over, 0, pair.under, 0, i);
-      m.values.push_back(pair.scale[i] * q.value), tracing.errors[i] = pair.scale[i] * q.error;
+      m.values.push_back(pair.scale[i] * q.value);
     }
+    m.deviations = deviations_of(pair, m.values);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<double> of_band;
+    for (const auto& replicate : m.deviations) of_band.push_back(replicate[i]);
+    tracing.errors[i] = error_of(of_band);
   }
   for (std::size_t i = 0; i < n; ++i)
     if (!std::isfinite(m.values[i]))
@@ -306,6 +359,7 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
 }
 
 std::vector<double> luminance_weights(const std::vector<double>& nm) {
+  if (nm.size() == 1) return {1};
   std::vector<double> weights;
   double sum = 0;
   const pigment::Observation observer = observe("C", nm);
@@ -320,8 +374,7 @@ Haze measure_haze(const Bench& bench, const Specimen& specimen, Spectrophotomete
     throw Error(fmt::format("haze beyond {:g} degrees: more than 0 and at most 10 is expected", angle));
   // A beam that is nearly parallel and narrow, as ASTM D1003 asks, unless another one is stated: the usual one is as wide as the port.
   const SpectrophotometerSettings usual{};
-  // A traced path would meet so small a lamp behind clear glass by chance alone: the sphere is then that of the theory.
-  if (s.lamp_angle == usual.lamp_angle) s.lamp_angle = 0.1, s.by_theory = true;
+  if (s.lamp_angle == usual.lamp_angle) s.lamp_angle = 0.1;
   if (s.viewed_m == usual.viewed_m && s.lit_m == usual.lit_m) s.viewed_m = s.lit_m = 2e-3;
   if (s.distance_m == usual.distance_m) s.distance_m = 1;
   s.specular_angle = angle;
@@ -330,18 +383,15 @@ Haze measure_haze(const Bench& bench, const Specimen& specimen, Spectrophotomete
   s.geometry = measuring_geometry("0:de", true);
   const MeasuredSpectrum diffuse = measure_spectrum(bench, specimen, s);
   Haze h;
-  double scattered = 0, scattered2 = 0, total2 = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
+  double scattered = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i)
     h.total += weights[i] * total.values[i], scattered += weights[i] * diffuse.values[i];
-    total2 += std::pow(weights[i] * total.error(i), 2),
-        scattered2 += std::pow(weights[i] * diffuse.error(i), 2);
-  }
-  h.total_error = std::sqrt(total2);
+  h.total_error = total.error_of_sum(weights);
   if (!(h.total > 0))
     throw Error(
         "no light through the sample was found, of which haze could be a part; more paths, or the sphere by theory, find more");
   h.haze = scattered / h.total;
-  h.haze_error = std::sqrt(scattered2 + h.haze * h.haze * total2) / h.total;
+  h.haze_error = std::hypot(diffuse.error_of_sum(weights), h.haze * h.total_error) / h.total;
   return h;
 }
 

@@ -66,8 +66,13 @@ struct MeasuredSpectrum {
   /// The part of the light that a wide port would read which is lost beside the lit area, by band, as diffusion predicts it
   /// (`optics::port_part`); empty unless a slab of a homogeneous medium is measured in reflection.
   std::vector<double> edge_loss;
+  /// By replicate and band, the deviation of a value, of which the root of the mean square over the root of the replicates less
+  /// one is the error by tracing. Bands share paths, so that sums over bands need them.
+  std::vector<std::vector<double>> deviations;
   /// The sum of all causes' squares under a root.
   double error(std::size_t band) const;
+  /// The standard error of the sum of weights[i] times the value of band i.
+  double error_of_sum(const std::vector<double>& weights) const;
   std::vector<std::string> notes;
 };
 
@@ -76,13 +81,13 @@ struct MeasuredSpectrum {
 MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
                                   const SpectrophotometerSettings& settings);
 
-/// Weights of bands by luminance under CIE illuminant C for the observer of CIE 1931, whose sum is 1. Throws Error where the
-/// wavelengths do not cover the visible range.
+/// Weights of bands by luminance under CIE illuminant C for the observer of CIE 1931, whose sum is 1. A single wavelength has
+/// the weight 1. Throws Error where several wavelengths do not cover the visible range.
 std::vector<double> luminance_weights(const std::vector<double>& nm);
 
 /// Haze: transmitted light that leaves its direction by more than `angle` [degrees], over all transmitted light (ASTM D1003,
 /// ISO 14782), by luminance. Where the settings have the usual lamp, lit and viewed area and distance, they become 0.1 degrees,
-/// 2 mm and 1 m, and with the usual lamp the sphere is that of the theory.
+/// 2 mm and 1 m.
 struct Haze {
   double total = 0, haze = 0, total_error = 0, haze_error = 0;
 };

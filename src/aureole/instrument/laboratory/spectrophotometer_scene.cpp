@@ -22,6 +22,9 @@ constexpr double kWallField = 15e-3;    ///< radius of the wall that a detector 
 constexpr double kBaffleMargin =
     0.575;  ///< radius of a baffle halfway over the sum of the radii that it hides from each other
 const Triple kSide{0, 1, 0};  ///< from the sphere's centre to its lamp or its detector
+/// From the sphere's centre to the lamp of the reference beam: 60 degrees beside the specimen's port. Its light falls on the
+/// wall 60 degrees beside the specular port.
+const Triple kReference{0.8660254037844386, 0, -0.5};
 
 const char* const kBlack = "<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0\"/></bsdf>";
 
@@ -45,6 +48,12 @@ std::string directions_at(double theta, double first, int count) {
   std::string text;
   for (int i = 0; i < count; ++i) text += fmt::format("{:g} {:g} ", theta, first + 360.0 * i / count);
   return text;
+}
+
+/// The view factor from a disc of radius r to a coaxial one of radius `target` at this distance.
+double coaxial_view_factor(double r, double target, double distance) {
+  const double a = r / distance, b = target / distance, q = b * b / (a * a), x = 1 + (1 + b * b) / (a * a);
+  return 2 * q / (x + std::sqrt(x * x - 4 * q));
 }
 
 }  // namespace
@@ -111,7 +120,6 @@ SpectrophotometerScenes::SpectrophotometerScenes(const Bench& bench, const Spect
   if (s.sample_m < spot)
     throw Error(fmt::format("the sample of {:g} mm is smaller than the spot of {:g} mm on it",
                             s.sample_m * 1e3, spot * 1e3));
-  using Method = SpectrophotometerSettings::Method;
   if (s.by_theory && !g.has_sphere())
     throw Error(fmt::format("{} has no sphere, of which a theory could be used", g.name));
 }
@@ -125,6 +133,27 @@ double SpectrophotometerScenes::chord(double angle) const {
 
 bool SpectrophotometerScenes::light_is_reversed() const {
   return s_.geometry.view >= End::sphere && s_.geometry.light < End::sphere;
+}
+
+bool SpectrophotometerScenes::has_reference_beam() const {
+  return s_.geometry.transmits && light_is_reversed() &&
+         s_.method == SpectrophotometerSettings::Method::comparison;
+}
+
+double SpectrophotometerScenes::reference_radius() const {
+  // The lamp's edge lies on the sphere: r = depth tan(angle), with depth^2 + r^2 = R^2.
+  return radius() * std::sin(s_.lamp_angle * kDegree);
+}
+
+double SpectrophotometerScenes::reference_depth() const {
+  return radius() * std::cos(s_.lamp_angle * kDegree);
+}
+
+double SpectrophotometerScenes::reference_flux() const {
+  const double target = 0.5 * s_.lit_m, lamp = s_.distance_m * std::tan(s_.lamp_angle * kDegree),
+               reference = reference_radius();
+  return reference * reference * coaxial_view_factor(reference, target, reference_depth()) /
+         (lamp * lamp * coaxial_view_factor(lamp, target, s_.distance_m));
 }
 
 double SpectrophotometerScenes::view_angle() const {
@@ -166,6 +195,7 @@ std::vector<SpectrophotometerScenes::Port> SpectrophotometerScenes::ports() cons
   const bool excludes = g.light == End::sphere_without_specular || g.view == End::sphere_without_specular;
   // At normal incidence the port of the detector or of the lamp takes the mirrored light.
   if (excludes && (g.transmits || angle > 0)) all.push_back({seen_from_centre(angle, -1), specular_radius()});
+  if (has_reference_beam()) all.push_back({kReference, reference_radius()});
   const double tan_detector = std::tan(s_.detector_angle * kDegree);
   all.push_back({kSide, light_is_reversed() ? 2 * radius() * tan_detector + 1e-3 : kLampRadius});
   return all;
@@ -270,6 +300,17 @@ void SpectrophotometerScenes::add_view(InstrumentScene& scene, const Transform& 
   add_detectors(scene, fmt::format("{:g} 0", angle / kDegree), 1, start, field, aperture, station);
 }
 
+void SpectrophotometerScenes::add_lamp_in_port(InstrumentScene& scene, const Transform& place, double r,
+                                               const Vec3& target, const Vec3& target_normal) const {
+  add_disc(scene, place, r,
+           fmt::format("{}<emitter type=\"beam\"><spectrum name=\"radiance\" value=\"1\"/>"
+                       "<point name=\"target\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
+                       "<vector name=\"target_normal\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
+                       "<float name=\"target_radius\" value=\"{}\"/></emitter>",
+                       kBlack, target.x, target.y, target.z, target_normal.x, target_normal.y,
+                       target_normal.z, text(0.5 * s_.lit_m)));
+}
+
 void SpectrophotometerScenes::add_dark_room(InstrumentScene& scene) const {
   const double wide = std::max(2 * s_.sample_m, 4 * s_.port_m), deep = 2 * s_.distance_m;
   const double hole = port() / wide;
@@ -319,7 +360,8 @@ InstrumentScene SpectrophotometerScenes::instrument(const Specimen& specimen, co
   const std::vector<Port> all = ports();
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     // The lamp of a beam is in its own port.
-    const bool is_lamp = i == 0 && light_is_reversed() && !g.transmits;
+    const bool is_lamp = (i == 0 && light_is_reversed() && !g.transmits) ||
+                         (i + 2 == all.size() && reads == Reads::reference_beam);
     if (!is_lamp) add_port(scene, station, all[i]);
     if (beside && !(is_lamp && reads == Reads::standard_beside)) add_port(scene, other, all[i]);
   }
@@ -350,7 +392,15 @@ InstrumentScene SpectrophotometerScenes::instrument(const Specimen& specimen, co
   }
   scene.integrator = "ptracer";
   const double angle = view_angle();
-  if (g.transmits) {
+  if (reads == Reads::reference_beam) {
+    // The beam passes the sphere's centre, where it is as wide as the other one at the specimen.
+    const Triple& d = kReference;
+    const double depth = reference_depth();
+    add_lamp_in_port(
+        scene, station * placed(d[0] * depth, d[1] * depth, height() + d[2] * depth, {-d[0], -d[1], -d[2]}),
+        reference_radius(), station.point({0, 0, float(height() / bench_.length_unit_m())}),
+        station.vector({float(d[0]), float(d[1]), float(d[2])}));
+  } else if (g.transmits) {
     add_lamp(scene, 0, 0, s_.distance_m, s_.distance_m * std::tan(s_.lamp_angle * kDegree), 0.5 * s_.lit_m);
   } else {
     // The beam turns to the standard for its reading, as in instruments of two beams.
@@ -359,16 +409,10 @@ InstrumentScene SpectrophotometerScenes::instrument(const Specimen& specimen, co
     const Vec3 target = lit.point({0, 0, 0}), normal = lit.vector({0, 0, 1});
     const double depth = std::sqrt(radius() * radius() - r * r);
     const Triple d = all[0].direction;
-    add_disc(scene,
-             lit * placed(d[0] * depth, d[1] * depth, height() + d[2] * depth,
-                          {-std::sin(angle), 0, -std::cos(angle)}),
-             r,
-             fmt::format("{}<emitter type=\"beam\"><spectrum name=\"radiance\" value=\"1\"/>"
-                         "<point name=\"target\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
-                         "<vector name=\"target_normal\" x=\"{:.9g}\" y=\"{:.9g}\" z=\"{:.9g}\"/>"
-                         "<float name=\"target_radius\" value=\"{}\"/></emitter>",
-                         kBlack, target.x, target.y, target.z, normal.x, normal.y, normal.z,
-                         text(0.5 * s_.lit_m)));
+    add_lamp_in_port(scene,
+                     lit * placed(d[0] * depth, d[1] * depth, height() + d[2] * depth,
+                                  {-std::sin(angle), 0, -std::cos(angle)}),
+                     r, target, normal);
     if (reads == Reads::standard_beside) add_port(scene, here, all[0]);
   }
   add_port(scene, station, all.back());

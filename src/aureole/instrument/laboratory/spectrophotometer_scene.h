@@ -25,15 +25,22 @@ public:
   /// Throws Error for sizes that do not fit each other.
   SpectrophotometerScenes(const Bench& bench, const SpectrophotometerSettings& settings);
 
-  enum class Reads { sample, standard_beside, irradiance };
-  /// The instrument with this specimen. With a `beside` both are in the sphere at once. `irradiance` is what arrives at the
-  /// sample's surface, without a sample where the instrument has no sphere.
+  enum class Reads { sample, standard_beside, reference_beam, irradiance };
+  /// The instrument with this specimen. With a `beside` both are in the sphere at once. `reference_beam`: the light of the
+  /// reference beam instead of what passes the specimen. `irradiance` is what arrives at the sample's surface, without a
+  /// sample where the instrument has no sphere.
   InstrumentScene instrument(const Specimen& specimen, const Specimen* beside, Reads reads) const;
   /// The specimen in even light from all directions of the sphere, less the ports, as the instrument views it. Geometries
   /// with a collecting sphere are reversed (Helmholtz).
   InstrumentScene in_even_light(const Specimen& specimen, Reads reads) const;
   /// The specimen in even light, read by a cosine receiver that faces it: its reflectance for diffuse light.
   InstrumentScene diffuse_reflection(const Specimen& specimen) const;
+
+  /// Whether a sphere that collects transmitted light has a second beam, which falls on its wall beside the specimen's light: both
+  /// readings have the specimen and all ports in place, so that the sphere is equally bright.
+  bool has_reference_beam() const;
+  /// The flux of the reference beam over the one that falls on the specimen.
+  double reference_flux() const;
 
   /// The sphere as closed formulas see it.
   IntegratingSphere sphere() const;
@@ -55,6 +62,9 @@ private:
   };
   std::vector<Port> ports() const;
   bool light_is_reversed() const;
+  /// Radius of the reference beam's lamp, and its distance from the sphere's centre.
+  double reference_radius() const;
+  double reference_depth() const;
 
   void add_disc(InstrumentScene& scene, const Transform& place, double r, const std::string& inner) const;
   void add_port(InstrumentScene& scene, const Transform& station, const Port& port) const;
@@ -62,6 +72,9 @@ private:
                     const char* key) const;
   void add_lamp(InstrumentScene& scene, double theta, double phi, double distance, double r,
                 double target) const;
+  /// A lamp inside the sphere, a disc of radius r whose light all passes the target: a disc as wide as the lit area.
+  void add_lamp_in_port(InstrumentScene& scene, const Transform& place, double r, const Vec3& target,
+                        const Vec3& target_normal) const;
   void add_detectors(InstrumentScene& scene, const std::string& directions, std::size_t count,
                      double distance, double field, double aperture, const Transform& station) const;
   void add_receiver(InstrumentScene& scene, double z, bool faces_up, const Transform& station) const;

@@ -77,6 +77,29 @@ Luminaire measured_luminaire(const Image& picture, const GoniometryOptions& opti
   return l;
 }
 
+Luminaire read_changed_luminaire(const std::filesystem::path& file, std::size_t lamp_set,
+                                 const GoniometryOptions& options) {
+  LuminaireOptions how;
+  how.lamp_set = lamp_set, how.lamp_flux = options.lamp_flux;
+  Luminaire l = read_luminaire(file, how);
+  if (options.flux > 0) {
+    const double flux = l.distribution.flux();
+    if (!(flux > 0)) throw Error(file.string() + ": the luminaire emits no light, which no flux can scale");
+    l.distribution.scale(options.flux / flux);
+  }
+  if (options.watts > 0) l.lamps.at(l.lamp_set).watts = options.watts;
+  if (!options.opening.is_point()) l.opening = options.opening;
+  for (const auto& [key, value] : options.keywords) {
+    const auto same = [&key = key](const auto& pair) { return pair.first == key; };
+    const auto found = std::find_if(l.keywords.begin(), l.keywords.end(), same);
+    if (found == l.keywords.end())
+      l.keywords.emplace_back(key, value);
+    else
+      found->second = value;
+  }
+  return l;
+}
+
 LuminaireFigures luminaire_figures(const Luminaire& luminaire) {
   const optics::IntensityDistribution& d = luminaire.distribution;
   LuminaireFigures f;

@@ -3,6 +3,7 @@
 // files describe it.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "aureole/core/image.h"
@@ -25,6 +26,11 @@ struct GoniometryOptions {
 /// Makes a luminaire of type C from a picture with one intensity [cd] for each C (column) and gamma (row). Throws Error
 /// where the picture has no light.
 Luminaire measured_luminaire(const Image& picture, const GoniometryOptions& options);
+
+/// Reads a luminaire file, for which `options` state other fluxes, power, luminous opening (unless it is a point) or keywords.
+/// Throws Error.
+Luminaire read_changed_luminaire(const std::filesystem::path& file, std::size_t lamp_set,
+                                 const GoniometryOptions& options);
 
 /// Figures of a luminaire for a report.
 struct LuminaireFigures {

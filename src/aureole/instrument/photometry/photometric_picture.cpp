@@ -70,24 +70,49 @@ bool is_unit_of_flux(const std::string& unit) {
   return std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits);
 }
 
+std::vector<double> cell_areas(const PlacedSensor& sensor, int width, int height) {
+  if (!sensor.cell_areas) return {};
+  const int columns = int(sensor.part.width), left = int(std::lround(sensor.part.lower.x - sensor.part.left)),
+            top = int(std::lround(sensor.part.lower.y)), rows = int(sensor.cell_areas->size()) / columns;
+  const bool is_whole = columns == width && rows == height;
+  const int x0 = is_whole ? 0 : left, y0 = is_whole ? 0 : top;
+  if (x0 < 0 || y0 < 0 || x0 + width > columns || y0 + height > rows) return {};
+  std::vector<double> areas;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      areas.push_back(
+          double((*sensor.cell_areas)[std::size_t(y0 + y) * std::size_t(columns) + std::size_t(x0 + x)]));
+  return areas;
+}
+
 MapStatistics map_statistics(const PhotometricMap& map, const MapRegion& r) {
   if (r.x < 0 || r.y < 0 || r.width < 1 || r.height < 1 || r.x + r.width > map.width ||
       r.y + r.height > map.height)
     throw Error(fmt::format("the region {},{},{},{} leaves the picture of {} x {} cells", r.x, r.y, r.width,
                             r.height, map.width, map.height));
-  std::vector<double> values;
-  double sum = 0;
-  for (int y = r.y; y < r.y + r.height; ++y)
-    for (int x = r.x; x < r.x + r.width; ++x)
-      if (std::isfinite(map.at(x, y))) values.push_back(map.at(x, y)), sum += map.at(x, y);
-  if (values.empty()) throw Error("the region has no finite values");
+  std::vector<std::pair<double, double>> cells;  // value and weight
   MapStatistics s;
-  s.count = values.size(), s.sum = sum, s.mean = sum / double(values.size());
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  s.min = *least, s.max = *most;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  s.median = *middle;
+  double weights = 0, weighted = 0;
+  for (int y = r.y; y < r.y + r.height; ++y)
+    for (int x = r.x; x < r.x + r.width; ++x) {
+      const double value = map.at(x, y),
+                   weight = map.areas.empty()
+                                ? 1
+                                : map.areas[std::size_t(y) * std::size_t(map.width) + std::size_t(x)];
+      if (!std::isfinite(value) || !(weight > 0)) continue;
+      cells.emplace_back(value, weight);
+      s.sum += value, weights += weight, weighted += weight * value;
+    }
+  if (cells.empty()) throw Error("the region has no finite values");
+  std::sort(cells.begin(), cells.end());
+  s.count = cells.size(), s.mean = weighted / weights;
+  s.min = cells.front().first, s.max = cells.back().first;
+  double below = 0;
+  for (const auto& [value, weight] : cells) {
+    s.median = value;
+    below += weight;
+    if (below > 0.5 * weights) break;
+  }
   return s;
 }
 

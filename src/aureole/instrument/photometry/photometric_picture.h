@@ -18,6 +18,8 @@ struct PhotometricMap {
   int width = 0, height = 0;
   std::vector<double> values;  ///< values row by row from the top
   std::string quantity, unit;  ///< quantity and unit, such as "illuminance" and "lx"
+  /// Areas of the cells on a shape, by which means are weighted, in any unit; empty: equal areas.
+  std::vector<double> areas = {};
 
   double at(int x, int y) const { return values[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
 };
@@ -38,11 +40,14 @@ struct MapRegion {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Statistics over a region, of its finite values.
+/// The areas of the cells of a power map on a shape, for a map of its film or of the film's crop; empty for other sensors.
+std::vector<double> cell_areas(const PlacedSensor& sensor, int width, int height);
+
+/// Statistics over a region, of the finite values of its cells; those without area are left out.
 struct MapStatistics {
   std::size_t count = 0;
-  double sum = 0;  ///< of power or energy: that through the region
-  double mean = 0, min = 0, max = 0, median = 0;
+  double sum = 0;                                 ///< of power or energy: that through the region
+  double mean = 0, min = 0, max = 0, median = 0;  ///< mean and median weighted by the areas of the cells
   double uniformity() const {
     return mean > 0 ? min / mean : 0;
   }  ///< uniformity U_0 = E_min/E_mean (EN 12464-1)

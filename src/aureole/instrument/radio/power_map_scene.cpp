@@ -122,7 +122,8 @@ PowerMapSource power_map_source(const PowerMapSettings& a) {
     source.file = a.scene;
     return source;
   }
-  load.fallback_integrator = "ptracer";  // finds light of a point by way of walls that are mirrors
+  // `ptracer` finds light of a point by way of walls that are mirrors; edges diffract by the model "segments".
+  load.fallback_integrator = a.diffraction && a.diffraction_model.empty() ? "path" : "ptracer";
   load.radio_materials = true;
   load.defines.emplace_back(kSceneFile, std::filesystem::path(a.scene).filename().string());
   source.text = scene_with_plane(a);

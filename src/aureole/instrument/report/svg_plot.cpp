@@ -19,7 +19,7 @@ struct Axes {
 };
 
 Axes fit_axes(const Plot& plot) {
-  Axes a{INFINITY, -INFINITY, plot.logarithmic ? INFINITY : 0, -INFINITY};
+  Axes a{INFINITY, -INFINITY, plot.logarithmic ? INFINITY : plot.y_from, -INFINITY};
   for (const PlotSeries& s : plot.series) {
     for (const double x : s.x)
       a.x0 = std::min(a.x0, x - s.bar_width / 2), a.x1 = std::max(a.x1, x + s.bar_width / 2);
@@ -30,6 +30,7 @@ Axes fit_axes(const Plot& plot) {
   }
   if (!(a.x1 > a.x0)) a.x0 = 0, a.x1 = 1;
   if (a.x0 > 0 && a.x0 < 0.3 * a.x1) a.x0 = 0;
+  if (!plot.names.empty()) a.x0 = 0.5, a.x1 = double(plot.names.size()) + 0.5;
   if (!(a.y1 > a.y0)) a.y1 = a.y0 + 1;
   a.y1 += 0.05 * (a.y1 - a.y0);
   if (plot.logarithmic) a.y0 = std::floor(a.y0), a.y1 = std::ceil(a.y1 - 0.05);
@@ -73,14 +74,20 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-void add_ticks(std::string& out, const Axes& a, bool logarithmic) {
+void add_ticks(std::string& out, const Axes& a, const Plot& plot) {
+  const bool logarithmic = plot.logarithmic;
   const double sx = round_step(a.x0, a.x1, 8);
   const double sy = logarithmic ? std::max(1.0, round_step(a.y0, a.y1, 9)) : round_step(a.y0, a.y1, 6);
-  for (double x = std::ceil(a.x0 / sx) * sx; x <= a.x1 * (1 + 1e-9); x += sx)
+  const auto add_x = [&](double x, const std::string& text) {
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f}v5\" stroke=\"black\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
-        "text-anchor=\"middle\">{:g}</text>\n",
-        a.px(x), a.py(a.y0), a.px(x), a.py(a.y0) + 19, std::abs(x) < 1e-9 * sx ? 0 : x);
+        "text-anchor=\"middle\">{}</text>\n",
+        a.px(x), a.py(a.y0), a.px(x), a.py(a.y0) + 19, text);
+  };
+  for (std::size_t i = 0; i < plot.names.size(); ++i) add_x(double(i + 1), escaped(plot.names[i]));
+  if (plot.names.empty())
+    for (double x = std::ceil(a.x0 / sx) * sx; x <= a.x1 * (1 + 1e-9); x += sx)
+      add_x(x, fmt::format("{:g}", std::abs(x) < 1e-9 * sx ? 0 : x));
   for (double y = std::ceil(a.y0 / sy) * sy; y <= a.y1 * (1 + 1e-9); y += sy)
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f}h-5\" stroke=\"black\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
@@ -255,7 +262,7 @@ std::string svg_plot(const Plot& given) {
   for (const PlotSeries& s : plot.series) add_series(out, s, a);
   out += fmt::format("<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"black\"/>\n", kLeft, kTop,
                      kHeight - kBottom, kWidth - kRight);
-  add_ticks(out, a, plot.logarithmic);
+  add_ticks(out, a, plot);
   add_legend(out, plot, legend);
   out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                      (kLeft + kWidth - kRight) / 2, kHeight - 12, escaped(plot.x_label));

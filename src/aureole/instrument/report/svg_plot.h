@@ -21,9 +21,11 @@ struct Plot {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
   bool logarithmic = false;  ///< logarithmic y axis over the decades of the values; values <= 0 are omitted
+  std::vector<std::string> names = {};  ///< names of x = 1, 2 and so on, which replace its ticks; or empty
+  double y_from = 0;  ///< lower end of a linear y axis, where it is positive and below all values
 };
 
-/// Plots with axes from 0 (or the least value, if negative) to the largest, with round ticks; decades if
+/// Plots with axes from 0 (or the least value, if negative, or `y_from`) to the largest, with round ticks; decades if
 /// logarithmic.
 std::string svg_plot(const Plot& plot);
 

@@ -40,6 +40,7 @@ class PathWalk : public Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>> {
   static constexpr bool kAny = kSpace == Space::any;
 
 public:
+  static constexpr bool kDefersDiffraction = true;
   using Base::path, Base::emission;
   using typename Base::Connection;
 

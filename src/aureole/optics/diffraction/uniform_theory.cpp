@@ -35,6 +35,14 @@ Complex term(double n, double k_distance, double b) {
   return root / std::tan(0.5 * t / n) * over_root;
 }
 
+/// Returns phi moved away from the boundary of the shadow of a source at phi_i. There `term` is the mean of both
+/// sides, which is 0 for a half plane.
+double beside_shadow(double phi, double phi_i) {
+  constexpr double kNearest = 1e-7;
+  const double to_shadow = phi > phi_i ? pi : -pi, off = phi - phi_i - to_shadow;
+  return std::abs(off) < kNearest ? phi_i + to_shadow + std::copysign(kNearest, off) : phi;
+}
+
 double side_of(double angle) { return std::abs(angle) < 4e-15 ? 0.5 : angle > 0 ? 1 : 0; }
 
 }  // namespace
@@ -75,11 +83,8 @@ std::complex<double> Wedge::keller_coefficient(double k, double sin_beta, double
 
 std::complex<double> Wedge::over_half_plane(double k_distance, double phi, double phi_i,
                                             WedgeFaces faces) const {
-  // On the boundary of the shadow `term` is the mean of both sides, which is 0 for the half plane: the angle
-  // is kept away from the boundary.
-  constexpr double kNearest = 1e-7;
-  const double to_shadow = phi > phi_i ? pi : -pi, off = phi - phi_i - to_shadow;
-  if (std::abs(off) < kNearest) phi = phi_i + to_shadow + std::copysign(kNearest, off);
+  phi = beside_shadow(phi, phi_i);
+  const double to_shadow = phi > phi_i ? pi : -pi;
   const double difference = phi - phi_i, sum = phi + phi_i;
   if (std::abs(difference) < pi) {
     // Returns the reflection coefficient of a face, weighted by the square of its transition function over
@@ -103,6 +108,19 @@ std::complex<double> Wedge::over_half_plane(double k_distance, double phi, doubl
                         faces.n * term(n_, k_distance, sum) + faces.o * term(n_, k_distance, -sum);
   const Complex half_plane = term(2, k_distance, difference) + term(2, k_distance, -difference);
   return wedge / half_plane * (2 / n_);
+}
+
+std::complex<double> Wedge::over_half_plane_and_image(double k_distance, double phi, double phi_i,
+                                                      std::complex<double> face) const {
+  // For soft polarisation both sums vanish at grazing angles.
+  constexpr double kGrazing = 1e-4;
+  phi_i = std::max(phi_i, kGrazing);
+  phi = beside_shadow(std::max(phi, kGrazing), phi_i);
+  const auto with_image = [&](double n) {
+    const auto both = [&](double angle) { return term(n, k_distance, angle) + term(n, k_distance, -angle); };
+    return both(phi - phi_i) + face * both(phi + phi_i);
+  };
+  return with_image(n_) / with_image(2) * (2 / n_);
 }
 
 WedgeLight Wedge::light(double phi, double phi_i) const {

@@ -61,6 +61,13 @@ public:
   /// path of its own.
   std::complex<double> over_half_plane(double k_distance, double phi, double phi_i, WedgeFaces faces) const;
 
+  /// Returns `coefficient`, with one reflection coefficient of both faces, over the sum of two coefficients of a
+  /// half plane that absorbs, at one k L: for the source, and for its image in the o-face times `face`. If light
+  /// runs along the o-face to or from another edge of that face, an integral over both half planes has that sum in
+  /// place of the wedge's coefficient. At grazing incidence both vanish together if `face` is -1.
+  std::complex<double> over_half_plane_and_image(double k_distance, double phi, double phi_i,
+                                                 std::complex<double> face) const;
+
   /// Returns the field, geometrical and diffracted, at the distance rho from the edge, of a plane wave that
   /// is incident perpendicularly to the edge with amplitude 1 and phase 0 there. For a half plane of metal it
   /// is Sommerfeld's exact solution.

@@ -14,6 +14,24 @@
 
 namespace aureole {
 
+double projected_area(const LuminousOpening& opening, const optics::LuminaireVector& direction) {
+  const auto& s = opening.size_m;
+  const double length = std::hypot(direction[0], direction[1], direction[2]);
+  const double d[3] = {std::abs(direction[0]) / length, std::abs(direction[1]) / length,
+                       std::abs(direction[2]) / length};
+  switch (opening.shape) {
+    case LuminousOpening::Shape::box:
+      return s[1] * s[2] * d[0] + s[0] * s[2] * d[1] + s[0] * s[1] * d[2];
+    case LuminousOpening::Shape::cylinder: {
+      const auto axis = std::size_t(opening.axis), a = (axis + 1) % 3, b = (axis + 2) % 3;
+      // The side is seen as a rectangle, as wide as the ellipse of the section is across the direction.
+      return M_PI / 4 * s[a] * s[b] * d[axis] + s[axis] * std::hypot(s[a] * d[b], s[b] * d[a]);
+    }
+    default:
+      return M_PI / 4 * std::hypot(s[1] * s[2] * d[0], s[0] * s[2] * d[1], s[0] * s[1] * d[2]);
+  }
+}
+
 double LampTilt::at(double angle) const {
   if (angles.empty()) return 1;
   const auto above = std::upper_bound(angles.begin(), angles.end(), angle) - angles.begin();

@@ -24,6 +24,9 @@ struct LuminousOpening {
   bool is_point() const { return size_m[0] == 0 && size_m[1] == 0 && size_m[2] == 0; }
 };
 
+/// The area of an opening as seen from a direction, a vector of any length except zero [m^2].
+double projected_area(const LuminousOpening& opening, const optics::LuminaireVector& direction);
+
 /// Alternative lamps of a luminaire.
 struct LampSet {
   double count = 1;  ///< number of lamps

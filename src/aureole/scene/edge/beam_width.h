@@ -33,7 +33,7 @@ struct DiffractionSettings {
     beams,    ///< edges are scatterers of light in beams
     segments  ///< each segment has a diffraction factor |u/u0|^2 by the edges beside it
   };
-  Model model = Model::beams;
+  Model model = Model::segments;
   BeamWidth width{};  ///< of the model `beams`
   /// The polarisation in the model `segments`: the direction of the field at each edge.
   enum class Polarisation {

@@ -36,6 +36,9 @@ struct DetourLine {
     e = along * (1 / length);
     to_a = a - s.from;
   }
+  /// Makes the line of an edge beside another segment.
+  DetourLine(const DetourLine& line, const EdgeSegment& s)
+      : segment(s), e(line.e), to_a(line.to_a + (line.segment.from - s.from)), length(line.length) {}
   bool is_infinite() const { return segment.is_infinite(); }
   Double3 at(double t) const { return to_a + e * t; }  ///< relative to the segment's begin
 

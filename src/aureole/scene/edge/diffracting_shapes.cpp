@@ -213,6 +213,13 @@ void DiffractingShapes::add_triangles(std::vector<Vec3> positions, std::vector<T
   scale.push_back(factor), lift.push_back(height), reflects.push_back(reflection);
 }
 
+bool DiffractingShapes::has_width() const {
+  return std::any_of(marked_.begin(), marked_.end(), [](const Bsdf* bsdf) {
+    const EdgeDiffraction& mark = *edge_diffraction_of(*bsdf);
+    return mark.is_enabled() && mark.sigma();
+  });
+}
+
 BeamWidth DiffractingShapes::width(const BeamWidth& of_integrator) const {
   const Bsdf* first = nullptr;
   double stated = 0;

@@ -58,6 +58,8 @@ public:
   std::vector<BallInWorld> balls;
   std::vector<std::string> remarks;
 
+  /// Whether a BSDF states the width of beams.
+  bool has_width() const;
   /// Returns the width of beams, also from the BSDFs. Throws Error if they disagree.
   BeamWidth width(const BeamWidth& of_integrator) const;
 

@@ -4,7 +4,6 @@
 // other.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -31,7 +30,7 @@ public:
   EdgeScreens(const OutlineEdges& edges, const EdgeSegment& segment, std::span<const EdgeBeside> beside);
 
   /// Whether no edge can occlude a part of another one, since all of them bound one flat sheet.
-  bool is_one_sheet() const { return buckets_.empty(); }
+  bool is_one_sheet() const { return is_one_sheet_; }
 
   /// Sets the distances from the edge's begin at which edges at other depths cross it in the Fresnel plane,
   /// in increasing order.
@@ -51,46 +50,52 @@ public:
     /// part alone; otherwise 1.
     double obliquity;
     bool is_at_border;  ///< light passes so near to the edge that a visibility test cannot tell the side
+    std::size_t edge;   ///< index of the screen's edge
   };
   /// Returns the screen nearest to the light between a part of an edge and the segment's end (`towards_end`)
   /// or begin. If the part is visible from there (`is_seen`), light passes the screen on its open side. If it
   /// is not, light passes in the screen's shadow, and is_open(screen) tells whether light by way of the point
-  /// beside the screen is unoccluded.
-  template <class IsOpen>
+  /// beside the screen is unoccluded. It takes O(log n) for n edges beside the segment, if few of them are
+  /// near the light.
   std::optional<Screen> find_screen(std::size_t edge, const EdgePassage& part, bool towards_end, bool is_seen,
-                                    double wavelength, const IsOpen& is_open) const {
-    std::optional<Screen> found;
-    double nearest = kInfinity;
-    visit_parallel(edge, part, towards_end, wavelength, [&](const Screen& screen, double distance) {
-      if (!(distance < nearest)) return;
-      if (!screen.is_at_border && (screen.v < 0) == is_seen) return;
-      if (!is_seen && !is_open(screen)) return;
-      found = screen, nearest = distance;
-    });
-    return found;
-  }
+                                    double wavelength,
+                                    const std::function<bool(const Screen&)>& is_open) const;
 
 private:
-  static constexpr std::size_t kBuckets = 64;
-  std::size_t bucket_of(const optics::PlanePoint& p) const;
-  template <class Visit>
-  void for_each_bucket(std::size_t edge, const Visit& visit) const;
+  /// The line of an edge beside the segment.
+  struct Line {
+    DetourLine line;
+    Double3 across;                 ///< unit vector of its open side, perpendicular to the segment
+    double depth;                   ///< of the passage's point, along the segment
+    optics::PlanePoint begin, end;  ///< of the passage, in the Fresnel plane of a unit wavelength
+  };
+  /// A node of a tree of the lines. Points are relative to the segment's begin.
+  struct Node {
+    Double3 center;
+    double radius;                    ///< of a sphere about the centre that contains the edges
+    double nearest, farthest;         ///< their depths along the segment
+    optics::PlanePoint lower, upper;  ///< box of the passages in the Fresnel plane
+    std::uint32_t first, count;       ///< lines in `order_`, or the first of two children if count is 0
+  };
+  static constexpr std::size_t kDepth = 64;  ///< limit of the depth of the tree
+
+  void build(std::uint32_t node, std::uint32_t first, std::uint32_t count, std::size_t depth);
+  /// Calls visit(line) for the lines of all leaves whose nodes satisfy enters(node).
+  template <class Enters, class Visit>
+  void visit(const Enters& enters, const Visit& visit) const;
   bool may_hide(std::size_t a, std::size_t b) const;
   /// Returns the cosine of the angle between the normals of two edges about the segment.
-  double cosine(std::size_t a, std::size_t b) const;
-  /// Calls visit(screen, distance) for the edges parallel to a part of an edge; the distance is |v|, enlarged
-  /// if light passes beyond the screen's ends.
-  void visit_parallel(std::size_t edge, const EdgePassage& part, bool towards_end, double wavelength,
-                      const std::function<void(const Screen&, double)>& visit) const;
+  double cosine(std::size_t a, std::size_t b) const { return dot(lines_[a].across, lines_[b].across); }
 
   const OutlineEdges& edges_;
   const EdgeSegment& segment_;
   std::span<const EdgeBeside> beside_;
   Double3 x_, y_;
-  std::vector<std::array<optics::PlanePoint, 2>>
-      ends_;  ///< ends of each edge in the Fresnel plane of a unit wavelength
-  /// The edges that reach into each range of azimuths about the segment; empty if there is one sheet.
-  std::vector<std::vector<std::uint32_t>> buckets_;
+  bool is_one_sheet_ = true;
+  std::vector<Line> lines_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;  ///< lines in the order of the leaves
+  double largest_offset_ = 0;         ///< largest distance from its edge of a point beside an edge
 };
 
 }  // namespace aureole

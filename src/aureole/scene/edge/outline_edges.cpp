@@ -53,6 +53,7 @@ public:
         field_(field) {
     make_basis(line.segment.d, x_, y_);
     shortest_ = *std::min_element(wavelengths, wavelengths + count);
+    foot2_ = square(shown(middle));
   }
   void add(double begin, double end) {
     // 1 - c = theta^2/8 is largest at an end.
@@ -62,6 +63,7 @@ public:
   }
 
 private:
+  static double square(const PlanePoint& p) { return p.x * p.x + p.y * p.y; }
   PlanePoint shown(double t) const { return line_.in_fresnel_plane(t, x_, y_); }
   optics::PieceObliquity obliquities(double begin, double end) const {
     if (turns_little_) return {};
@@ -76,8 +78,13 @@ private:
       const double x = b.x - a.x, y = b.y - a.y, size = std::sqrt(x * x + y * y);
       const double off = size > 0 ? std::abs((m.x - a.x) * y - (m.y - a.y) * x) / size : 0;
       // A detour delta has the phase 2 pi delta/lambda = pi v^2/(2 lambda), v being the length at a unit
-      // wavelength.
-      if (std::numbers::pi * off * std::sqrt(m.x * m.x + m.y * m.y) > kPhase * shortest_) {
+      // wavelength. Far from the foot, where the phase changes much along a chord, its wave comes from its ends,
+      // and an error of the phase changes that wave by four times its ratio to the change.
+      const double near = std::min(square(a), square(b)), far = std::max(square(a), square(b));
+      const double change =
+          0.5 * std::numbers::pi * std::max(0.0, std::min(far - near, near - foot2_)) / shortest_;
+      constexpr double kOfChange = 0.1;
+      if (std::numbers::pi * off * std::sqrt(square(m)) > kPhase * (1 + kOfChange * change) * shortest_) {
         add(begin, a, half, m, depth + 1);
         add(half, m, end, b, depth + 1);
         return;
@@ -92,6 +99,7 @@ private:
   const double* wavelengths_;
   int count_;
   double window_, sign_, shortest_;
+  double foot2_;  ///< squared length of the foot of the whole line in the Fresnel plane
   bool turns_little_ = false;
   std::complex<double>* field_;
   Double3 x_, y_;
@@ -305,17 +313,27 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   constexpr std::size_t kMany = 4096;
   std::size_t count = edges_.size();
   for (const auto& ball : balls_) count += std::size_t(ball.pieces);
+  // Far in the shadow of few edges light is diffracted that is 66 dB weaker than without obstacles. The time of
+  // a segment grows with the edges in the window.
+  constexpr double kLargest = 400;
+  window_behind_ =
+      std::clamp(window_ * double(kMany) / double(std::max<std::size_t>(count, 1)), window_, kLargest);
   if (count > kMany) {
-    window_ = 15;
+    window_ = window_behind_ = 15;
     notes_.push_back(
         "diffraction: the scene has " + std::to_string(count) +
         " edges, so that an edge counts up to the Fresnel parameter 15 only, where it sends 36 dB less "
         "than the unobstructed light");
   }
   if (edges_.empty() && balls_.empty()) notes_.push_back(kNoDiffractingEdges);
-  if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float s) { return s != 1; }))
-    notes_.push_back(
-        "\"scale\" of \"freespacediffraction\" has no effect with the diffraction model \"segments\"");
+  for (const auto& [name, is_stated] :
+       {std::pair("scale",
+                  std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float s) { return s != 1; })),
+        std::pair("sigma", shapes.has_width())})
+    if (is_stated)
+      notes_.push_back(
+          "\"" + std::string(name) +
+          "\" of \"freespacediffraction\" has no effect with the diffraction model \"segments\"");
 }
 
 bool has_same_outlines(const SceneParts& a, const SceneParts& b) {
@@ -344,7 +362,8 @@ Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
 double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment, double wavelength,
                                         const std::function<bool(const Double3&)>& is_lit) const {
   most = std::min(most, window_ * 4 / 3);
-  const double detour = detour_of(most, wavelength), scale = 1 / std::sqrt(wavelength);
+  const EdgeWindow window{most * 3 / 4, most * 3 / 4, wavelength, wavelength};
+  const double detour = window.detour(window.largest), scale = 1 / std::sqrt(wavelength);
   double smallest = double(kInfinity);
   const Beam beam = beam_of(segment, detour);
   if (!balls_.empty())
@@ -361,7 +380,7 @@ double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment,
   std::size_t count = 0;
   EdgePassage passage;
   tree_.visit(beam, [&](std::uint32_t i) {
-    if (!find_passage(edges_[i], segment, detour, passage)) return;
+    if (!find_passage(edges_[i], segment, window, passage)) return;
     const DetourLine line(edges_[i], segment);
     const double v = scale * line.parameter(std::clamp(passage.middle, passage.begin, passage.end));
     if (!(v < smallest) || (count == next.size() && !(v < next.back().v))) return;
@@ -422,12 +441,14 @@ void OutlineEdges::add_rim(std::uint32_t i, const EdgeSegment& segment, double d
   }
 }
 
-bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour,
+bool OutlineEdges::find_passage(const MeshEdge& edge, const EdgeSegment& segment, const EdgeWindow& window,
                                 EdgePassage& out) const {
   const DetourLine line(edge, segment);
   out.edge = &edge;
-  if (!line.clip(detour, out.begin, out.end)) return false;
+  if (!line.clip(window.detour(window.largest), out.begin, out.end)) return false;
   out.middle = line.middle();
+  out.window = window.of_edge(line.parameter(std::clamp(out.middle, out.begin, out.end)));
+  if (out.window < window.largest && !line.clip(window.detour(out.window), out.begin, out.end)) return false;
   out = part(out, segment, out.begin, out.end, false, false);
   // The border of a sheet does not diffract light that begins or ends on that sheet; the tolerance allows for
   // the offsets of rays from surfaces.
@@ -484,46 +505,44 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   return true;
 }
 
-bool OutlineEdges::find_wedge(const EdgePassage& passage, const EdgeSegment& segment, EdgeWedge& out) const {
-  constexpr double kLeastFold = std::numbers::pi / 6, kRounding = 1e-4;
-  const MeshEdge& edge = *passage.edge;
+bool OutlineEdges::find_wedge(const MeshEdge& edge, const LightByEdge& light, EdgeWedge& out) const {
+  constexpr double kLeastFold = std::numbers::pi / 6;
   if (edge.face0.set >= reflects_.size() || lift_[edge.face0.set] > 0) return false;
-  const DetourLine line(edge, segment);
+  const Double3 e = normalize(Double3(edge.b) - Double3(edge.a));
   // A fold towards the side of its normals is concave there; light passes on the other side, where it is
   // convex.
   const double side = edge.is_concave && !edge.is_boundary ? -1 : 1;
-  const Double3 n0(edge.n0), normal = n0 * side, into_face = face_direction(n0, line.e);
+  const Double3 n0(edge.n0), into_face = face_direction(n0, e);
   const double fold =
       edge.is_boundary ? std::numbers::pi : std::acos(std::clamp(dot(n0, Double3(edge.n1)), -1.0, 1.0));
   if (fold < kLeastFold) return false;
   const double end = std::numbers::pi + fold;
   out.n = end / std::numbers::pi;
+  out.normal_o = n0 * side;
+  out.normal_n = edge.is_boundary ? -out.normal_o : Double3(edge.n1) * side;
   // Sets the angle about the edge, from the o-face, of a direction that points away from the edge.
   const auto angle = [&](const Double3& d, double& phi) {
-    phi = std::atan2(dot(d, normal), dot(d, into_face));
+    phi = std::atan2(dot(d, out.normal_o), dot(d, into_face));
     // Angles inside the wedge are assigned to the nearer face.
     if (phi < -(2 * std::numbers::pi - end) / 2) phi += 2 * std::numbers::pi;
-    if (phi < -kRounding || phi > end + kRounding) return false;
+    if (phi < -light.tolerance || phi > end + light.tolerance) return false;
     phi = std::clamp(phi, 0.0, end);
     return true;
   };
-  Double3 in, leaving;
-  line.directions(passage.p, in, leaving);
-  if (!angle(-in, out.phi_i) || !angle(leaving, out.phi)) return false;
-  const double along = dot(in, line.e), s_i = length(passage.p);
-  const double s = line.is_infinite() ? double(kInfinity) : length(segment.d * segment.length - passage.p);
-  const double sin2 = std::max(0.0, 1 - along * along);
-  out.distance = (line.is_infinite() ? s_i : s_i * s / (s_i + s)) * sin2;
+  if (!angle(-light.in, out.phi_i) || !angle(light.out, out.phi)) return false;
+  const double along = dot(light.in, e), sin2 = std::max(0.0, 1 - along * along);
+  const bool is_infinite = light.s_out >= double(kInfinity);
+  out.distance = (is_infinite ? light.s_in : light.s_in * light.s_out / (light.s_in + light.s_out)) * sin2;
   out.sin_beta = std::sqrt(sin2);
   out.reflection_o = reflects_[edge.face0.set];
   out.reflection_n = edge.is_boundary ? out.reflection_o : reflects_[edge.face1.set];
   return out.distance > 0;
 }
 
-void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
+void OutlineEdges::subtract(const EdgePassage& passage, const EdgeSegment& segment, bool takes_open,
                             const double* wavelengths, int count, std::complex<double>* field) const {
   const DetourLine line(*passage.edge, segment);
-  Chords(line, passage.middle, wavelengths, count, window_, is_open ? 1 : -1, field)
+  Chords(line, passage.middle, wavelengths, count, passage.window, takes_open ? 1 : -1, field)
       .add(passage.begin, passage.end);
 }
 
@@ -587,7 +606,7 @@ void OutlineEdges::add_row(std::span<const EdgePairField> pairs, std::span<const
     double largest = 0;
     for (const EdgePairField& pair : pairs)
       largest = std::max({largest, std::abs(pair.v1 * scale), std::abs(pair.v2 * scale)});
-    const double weight = optics::window_weight(largest, window_);
+    const double weight = optics::window_weight(largest, window_behind_);
     if (weight == 0) continue;
     std::complex<double> common = 1;
     for (std::size_t k = 0; k < pairs.size(); ++k) {

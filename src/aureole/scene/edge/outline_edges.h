@@ -10,6 +10,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,9 +33,26 @@ struct EdgePassage {
   double middle;      ///< position of the smallest detour on the edge's whole line
   Double3 p;          ///< point of the part nearest to `middle`, relative to the segment's begin
   Double3 in, out;    ///< unit directions of light from the segment's begin to `p`, and from `p` to its end
+  double window;      ///< |v| up to which its contributions count fully; they fade out up to 4/3 of it
 
   /// Whether the smallest detour is by a point of the edge, and not by a point beyond its ends.
   bool passes_middle() const { return middle > begin && middle < end; }
+};
+
+/// The window of Fresnel's parameter |v| within which edges beside a segment count.
+struct EdgeWindow {
+  double largest;            ///< of edges far in whose shadow the segment passes
+  double smallest;           ///< of edges near the segment
+  double shortest, longest;  ///< wavelengths
+
+  /// Returns the largest detour inside a window, with the part where contributions fade out.
+  double detour(double window) const { return longest * window * window * 4 / 9; }
+  /// Returns the window of an edge whose smallest detour has the parameter v at a unit wavelength. Light by way of
+  /// points with a larger detour interferes destructively, but for the ends of the edge.
+  double of_edge(double v) const {
+    constexpr double kBeyond = 1.25;
+    return std::clamp(kBeyond * v / std::sqrt(shortest), smallest, largest);
+  }
 };
 
 /// The open side of an edge and the side of its faces, for light that arrives at the edge and leaves it.
@@ -57,6 +75,20 @@ struct EdgeWedge {
   double distance;    ///< KP's L, in units of the scene
   double sin_beta;    ///< sine of the angle between light and edge
   DiffractingShapes::Reflection reflection_o, reflection_n;  ///< of the o-face and of the n-face
+  Double3 normal_o, normal_n;  ///< unit normals of both faces, towards the light
+
+  /// Returns the same wedge with angles from its n-face.
+  EdgeWedge reversed() const {
+    const double end = n * std::numbers::pi;
+    return {n, end - phi, end - phi_i, distance, sin_beta, reflection_n, reflection_o, normal_n, normal_o};
+  }
+};
+
+/// Light that arrives at a point of an edge and leaves it.
+struct LightByEdge {
+  Double3 in, out;     ///< unit directions of travel
+  double s_in, s_out;  ///< distances to where it comes from and to where it goes; kInfinity for directions
+  double tolerance = 1e-4;  ///< angle by which its directions may lie inside the wedge
 };
 
 /// How two edges one behind the other act on a segment together.
@@ -107,17 +139,18 @@ public:
 
   const std::vector<std::string>& notes() const { return notes_; }
 
-  /// Calls visit(passage) for the edges with a detour inside the window at `wavelength`, the longest one
-  /// [unit of length of the scene]. `rims` receives the edges of balls, whose outline depends on the segment;
-  /// passages refer to them.
+  /// Calls visit(passage) for the edges with a detour inside the window at wavelengths between `shortest` and
+  /// `longest` [unit of length of the scene], of a segment that is unoccluded (`is_open`) or occluded. `rims`
+  /// receives the edges of balls, whose outline depends on the segment; passages refer to them.
   template <class Visit>
-  void visit(const EdgeSegment& segment, double wavelength, std::deque<MeshEdge>& rims,
-             const Visit& visit) const {
-    const double detour = detour_of(window_ * 4 / 3, wavelength);
+  void visit(const EdgeSegment& segment, bool is_open, double shortest, double longest,
+             std::deque<MeshEdge>& rims, const Visit& visit) const {
+    const EdgeWindow window{is_open ? window_ : window_behind_, window_, shortest, longest};
+    const double detour = window.detour(window.largest);
     const Beam beam = beam_of(segment, detour);
     const auto visit_edge = [&](const MeshEdge& edge) {
       EdgePassage passage;
-      if (find_passage(edge, segment, detour, passage)) visit(passage);
+      if (find_passage(edge, segment, window, passage)) visit(passage);
     };
     tree_.visit(beam, [&](std::uint32_t i) { visit_edge(edges_[i]); });
     if (balls_.empty()) return;
@@ -149,14 +182,14 @@ public:
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
                  const Double3& out, bool grazes, EdgeSide& side) const;
 
-  /// Sets the wedge of an edge at a point of the passage. Returns false if the edge acts as that of a half
+  /// Sets the wedge of an edge for light by way of a point of it. Returns false if the edge acts as that of a half
   /// plane that absorbs: for round bodies, for folds of less than 30 degrees, which approximate curved
   /// surfaces, and if light would arrive or leave inside the wedge.
-  bool find_wedge(const EdgePassage& passage, const EdgeSegment& segment, EdgeWedge& out) const;
+  bool find_wedge(const MeshEdge& edge, const LightByEdge& light, EdgeWedge& out) const;
 
   /// Subtracts the boundary wave of an edge from u/u0 at each of `count` wavelengths [unit of length of the
-  /// scene].
-  void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool is_open,
+  /// scene]. `takes_open`: the segment is taken to pass on the edge's open side.
+  void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool takes_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
 
   /// Cosine of the angle between the normals of two edges, perpendicular to the segment, above which they
@@ -184,7 +217,6 @@ public:
   double wavelength(float nm) const { return double(nm) * nm_; }
 
 private:
-  static double detour_of(double v, double wavelength) { return wavelength * v * v / 4; }
   /// Returns the distance from an edge of a point beside it, for coordinates with errors up to `rounding`.
   double offset(const MeshEdge& edge, double rounding) const {
     return 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
@@ -200,7 +232,8 @@ private:
   /// segment.
   void add_rim(std::uint32_t ball, const EdgeSegment& segment, double detour,
                std::deque<MeshEdge>& rims) const;
-  bool find_passage(const MeshEdge& edge, const EdgeSegment& segment, double detour, EdgePassage& out) const;
+  bool find_passage(const MeshEdge& edge, const EdgeSegment& segment, const EdgeWindow& window,
+                    EdgePassage& out) const;
 
   std::vector<MeshEdge> edges_;
   static constexpr std::uint32_t kNoSheet = 0xffffffff;
@@ -212,8 +245,10 @@ private:
   BeamTree ball_tree_;
   Bounds3 box_;
   double nm_;
-  double window_ = 60;  ///< |v| up to which contributions count fully; they fade out up to 4/3 of it
-  float welded_ = 0;    ///< distance within which vertices are welded
+  /// |v| up to which contributions count fully beside all segments, and far in the shadow of edges. Light on an
+  /// unoccluded segment is so much brighter than what edges diffract that a smaller window serves there.
+  double window_ = 60, window_behind_ = 60;
+  float welded_ = 0;  ///< distance within which vertices are welded
   std::vector<std::string> notes_;
 };
 

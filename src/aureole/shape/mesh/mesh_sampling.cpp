@@ -217,7 +217,13 @@ std::optional<ShapeSample> MeshSampler::point_at_uv(Vec2 uv) const {
   const auto at = uv_index_->find(uv);
   if (!at) return {};
   const MeshPoint point = mesh_.point_at(at->triangle, at->barycentric.x, at->barycentric.y);
-  return ShapeSample{point.p, point.p_error, point.ng, uv, 0, at->triangle, at->barycentric};
+  const auto corners = mesh_.corners(at->triangle);
+  const TriangleIndices& t = mesh_.uv_triangle(at->triangle);
+  const std::vector<Vec2>& uvs = mesh_.data_.uvs;
+  const Vec2 a = uvs[t[1]] - uvs[t[0]], b = uvs[t[2]] - uvs[t[0]];
+  const float pdf =
+      std::abs(a.x * b.y - a.y * b.x) / length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+  return ShapeSample{point.p, point.p_error, point.ng, uv, pdf, at->triangle, at->barycentric};
 }
 
 float MeshSampler::pdf_direct(const Vec3& reference, std::size_t index, const SurfacePoint& point) const {
