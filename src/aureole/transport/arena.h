@@ -33,11 +33,16 @@ public:
     static_assert(alignof(T) <= kAlignment);
     return reinterpret_cast<T*>(allocate_bytes(count * sizeof(T)));  // NOLINT(bugprone-sizeof-expression)
   }
-  /// `count` records, made from `arguments`.
+  /// `count` records, made from `arguments`; without any, members that have no initialiser are not initialised.
   template <class T, class... Arguments>
   std::span<T> make(std::size_t count, const Arguments&... arguments) {
     T* first = allocate<T>(count);
-    for (std::size_t i = 0; i < count; ++i) new (first + i) T(arguments...);
+    for (std::size_t i = 0; i < count; ++i) {
+      if constexpr (sizeof...(arguments) == 0)
+        new (first + i) T;  // T() would clear all of it first
+      else
+        new (first + i) T(arguments...);
+    }
     return {first, count};
   }
 
