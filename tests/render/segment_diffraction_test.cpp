@@ -764,6 +764,47 @@ TEST(SegmentDiffraction, BlocksOfMetalHaveTwoPolarisations) {
   EXPECT_GT(worst_without[1], 4);
 }
 
+// A square block of metal, 10 wavelengths wide, that light passes on both sides and along all of its faces, with the fringes behind
+// it, against a boundary integral equation (tests/render/references/metal_block.py).
+TEST(SegmentDiffraction, SquareBlocksOfMetal) {
+  constexpr double kMetre = 0.1;  // wavelength
+  struct Reference {
+    double y, soft, hard;
+  };
+  const Reference references[] = {
+      {-7, -33.46, -16.60},  {-7.25, -34.19, -16.98},  {-7.5, -34.44, -15.42},  {-7.75, -35.10, -17.85},
+      {-8, -35.31, -16.68},  {-8.25, -35.20, -17.73},  {-8.5, -35.93, -17.85},  {-8.75, -36.00, -15.42},
+      {-9, -36.24, -17.78},  {-9.25, -37.75, -17.99},  {-9.5, -37.58, -14.51},  {-9.75, -37.10, -16.24},
+      {-10, -39.15, -24.10}, {-10.25, -39.27, -15.82}, {-10.5, -36.35, -12.78}, {-10.75, -36.73, -15.01},
+      {-11, -43.30, -30.83}, {-11.25, -41.95, -16.63}, {-11.5, -34.88, -11.39}, {-11.75, -33.47, -10.79},
+      {-12, -36.18, -13.82}, {-12.25, -43.25, -25.07}, {-12.5, -36.03, -19.63}, {-12.75, -31.63, -13.72},
+      {-13, -30.65, -12.98}, {-13.25, -32.14, -15.93}, {-13.5, -34.88, -24.93}, {-13.75, -33.33, -18.21},
+      {-14, -29.90, -12.80}, {-14.25, -28.12, -11.05}, {-14.5, -27.90, -11.66}, {-14.75, -28.82, -14.88},
+      {-15, -29.77, -23.66}, {-15.25, -29.07, -20.83}, {-15.5, -27.26, -13.88}, {-15.75, -25.82, -11.16},
+      {-16, -25.15, -10.47},
+  };
+  const std::string block =
+      R"(<shape type="cube"><transform name="to_world"><scale x="0.5" y="4000" z="0.5"/><translate x="0.5" z="-0.5"/></transform>
+    <bsdf type="conductor"><string name="material" value="none"/></bsdf></shape>)";
+  const Vec3 lamp{float(-11.25 * kMetre), 0, float(6.875 * kMetre)};
+  for (const bool is_hard : {false, true}) {
+    double difference = 0, all = 0, power = 0;
+    for (const Reference& r : references) {
+      const double loss =
+          loss_of(block, is_hard ? "hard" : "soft", lamp, {float(13 * kMetre), 0, float(r.y * kMetre)});
+      const double amplitude = std::pow(10, loss / 20),
+                   expected = std::pow(10, (is_hard ? r.hard : r.soft) / 20);
+      difference += (amplitude - expected) * (amplitude - expected), all += expected * expected;
+      power += amplitude * amplitude;
+      if (kSanitized) break;
+    }
+    if (kSanitized) continue;
+    std::printf("square of 10 wavelengths, %s: %.1f %% of the amplitude (rms), %+.2f dB of the power\n",
+                is_hard ? "hard" : "soft", 100 * std::sqrt(difference / all), 10 * std::log10(power / all));
+    EXPECT_LT(std::sqrt(difference / all), is_hard ? 0.17 : 0.1);
+  }
+}
+
 // Far in the shadow of a half plane, 40 to 73 dB below free space, by Keller's coefficient for light that turns by the angle theta,
 // K = lambda/(16 pi^2 sin^2(theta/2)) of an endless edge.
 TEST(SegmentDiffraction, DeepShadows) {

@@ -227,24 +227,46 @@ private:
     return count;
   }
 
-  /// Multiplies `weight` by the change of a part's wave at the screen between it and one end of the segment.
-  /// Returns false if no light arrives; sets `screen`, and `turns` if the screen diffracts the light as well.
-  bool pass_screen(const EdgePart& part, bool is_begin, Field& weight, bool& turns,
-                   std::optional<EdgeScreens::Screen>& screen) const {
+  /// A part of an edge as light passes it: what its screens and wedges make of its wave.
+  struct Passing {
+    Field weight;    ///< factor of the wave
+    Field together;  ///< wedges of the part and of screens on whose open side light passes, over half planes
+    double share = 1;    ///< fraction of the wave that is that of a single edge, without `together`
+    bool turns = false;  ///< whether light is diffracted at all
+  };
+
+  /// Changes `passing` by the screens between a part and one end of the segment. Light that does not see the part from
+  /// that end may arrive around both sides of what lies between them. Returns false if no light arrives.
+  bool pass_screens(const EdgePart& part, bool is_begin, Passing& passing) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
     const auto is_open = [&](const EdgeScreens::Screen& s) {
       return is_free(scene_, part.side.beside.to_float(), s.beside.to_float(), false, w_) &&
              sees(s.beside, is_begin);
     };
-    screen = screens_->find_screen(part.edge, part.passage, !is_begin, is_seen, longest_, std::cref(is_open));
-    if (!screen) return is_seen;
-    if (screen->v < 0 || screen->is_at_border) turns = true;
-    for (std::size_t i = 0; i < std::size_t(count_); ++i) {
-      const double scale = 1 / std::sqrt(wavelengths_[i]);
-      weight[i] *=
-          screen->obliquity * optics::wave_past_edge(part.v * scale, screen->v * scale, part.length_weight);
+    bool arrives = is_seen;
+    Field sum{};
+    for (const int side : {1, -1}) {
+      const auto screen = screens_->find_screen(part.edge, part.passage, !is_begin, is_seen,
+                                                is_seen ? 0 : side, longest_, std::cref(is_open));
+      if (screen) {
+        arrives = true;
+        if (screen->v < 0 || screen->is_at_border) passing.turns = true;
+        Field wave;
+        for (std::size_t i = 0; i < std::size_t(count_); ++i) {
+          const double scale = 1 / std::sqrt(wavelengths_[i]);
+          wave[i] = screen->obliquity *
+                    optics::wave_past_edge(part.v * scale, screen->v * scale, part.length_weight);
+        }
+        if (is_wedge_) make_pair_of_wedges(part, *screen, is_begin, is_seen, passing, wave);
+        for (std::size_t i = 0; i < std::size_t(count_); ++i) sum[i] += wave[i];
+      }
+      if (!is_seen) continue;
+      if (screen)
+        for (std::size_t i = 0; i < std::size_t(count_); ++i) passing.weight[i] *= sum[i];
+      return true;
     }
-    return true;
+    for (std::size_t i = 0; i < std::size_t(count_); ++i) passing.weight[i] *= sum[i];
+    return arrives;
   }
 
   /// Subtracts the wave of a part of an edge.
@@ -256,16 +278,15 @@ private:
       edges_.subtract(part.passage, segment_, is_open, wavelengths_.data(), count_, field_.data());
       return;
     }
-    Field weight;
-    weight.fill(1 - part.in_rows);
-    bool turns = part.is_outline;
-    std::array<std::optional<EdgeScreens::Screen>, 2> screens;
-    const bool arrives = screens_->is_one_sheet()
-                             ? part.is_seen()
-                             : part.in_rows < 1 && pass_screen(part, true, weight, turns, screens[0]) &&
-                                   pass_screen(part, false, weight, turns, screens[1]) && turns;
+    Passing passing;
+    Field& weight = passing.weight;
+    weight.fill(1 - part.in_rows), passing.together.fill(1);
+    passing.turns = part.is_outline;
+    const bool arrives = screens_->is_one_sheet() ? part.is_seen()
+                                                  : part.in_rows < 1 && pass_screens(part, true, passing) &&
+                                                        pass_screens(part, false, passing) && passing.turns;
     if (!arrives) weight.fill(0);
-    if (is_wedge_ && arrives) make_wedges(part, screens, weight);
+    if (is_wedge_ && arrives) make_wedge(part, passing);
     if (part.is_seen())
       for (auto& x : weight) x += part.in_rows;
     if (std::all_of(weight.begin(), weight.begin() + count_, [](const auto& x) { return x == 0.0; })) return;
@@ -275,33 +296,30 @@ private:
     for (std::size_t i = 0; i < std::size_t(count_); ++i) field_[i] += weight[i] * wave[i];
   }
 
-  /// Multiplies `weight` by the wave of a part's wedge, and of the wedges of its screens before and behind it,
-  /// over that of half planes that absorb.
-  void make_wedges(const EdgePart& part, const std::array<std::optional<EdgeScreens::Screen>, 2>& screens,
-                   Field& weight) const {
-    Field together, alone;
-    together.fill(1), alone.fill(1);
-    double share = 1;  // of the wave as that of a single edge
-    for (const bool is_begin : {true, false}) {
-      const auto& screen = screens[is_begin ? 0 : 1];
-      if (!screen) continue;
-      const EdgePassage& other = beside_[screen->edge].passage;
-      const EdgeBlock block(edges_, is_begin ? other : part.passage, is_begin ? part.passage : other,
-                            segment_, is_open_);
-      const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
-      if (block.kind() == EdgeBlock::Kind::face) {
-        // Far on the open side of the screen, light is that of a single edge.
-        constexpr double kNear = 4, kFar = 10;
-        const double v = screen->v / std::sqrt(longest_);
-        share = std::min(share, is_seen ? std::clamp((v - kNear) / (kFar - kNear), 0.0, 1.0) : 0.0);
-        if (share < 1) multiply_by_block(block, together);
-      } else if (block.kind() == EdgeBlock::Kind::apart && !is_seen) {
-        multiply_by_wedge(block.wedge(0), together);
-        multiply_by_wedge(block.wedge(1), together);
-        share = 0;
-      }
+  /// Changes a wave by way of a part and of a screen by their wedges: in the shadow of the screen the wave itself,
+  /// on its open side `passing`.
+  void make_pair_of_wedges(const EdgePart& part, const EdgeScreens::Screen& screen, bool is_begin,
+                           bool is_seen, Passing& passing, Field& wave) const {
+    const EdgePassage& other = beside_[screen.edge].passage;
+    const EdgeBlock block(edges_, is_begin ? other : part.passage, is_begin ? part.passage : other, segment_,
+                          is_open_);
+    if (block.kind() == EdgeBlock::Kind::face) {
+      if (!is_seen) return multiply_by_block(block, wave);
+      // Far on the open side of the screen, light is that of a single edge.
+      constexpr double kNear = 4, kFar = 10;
+      const double v = screen.v / std::sqrt(longest_);
+      passing.share = std::min(passing.share, std::clamp((v - kNear) / (kFar - kNear), 0.0, 1.0));
+      if (passing.share < 1) multiply_by_block(block, passing.together);
+    } else if (block.kind() == EdgeBlock::Kind::apart && !is_seen) {
+      multiply_by_wedge(block.wedge(0), wave);
+      multiply_by_wedge(block.wedge(1), wave);
     }
-    if (!part.is_seen()) share = 0;
+  }
+  /// Multiplies the wave of a part by its wedge over a half plane that absorbs, with `passing.together`.
+  void make_wedge(const EdgePart& part, Passing& passing) const {
+    const double share = part.is_seen() ? passing.share : 0;
+    Field alone;
+    alone.fill(1);
     if (share > 0) {
       const EdgePassage& passage = part.passage;
       EdgeWedge wedge;
@@ -311,7 +329,7 @@ private:
         multiply_by_wedge(wedge, alone);
     }
     for (std::size_t i = 0; i < std::size_t(count_); ++i)
-      weight[i] *= (1 - share) * together[i] + share * alone[i];
+      passing.weight[i] *= (1 - share) * passing.together[i] + share * alone[i];
   }
   void multiply_by_wedge(const EdgeWedge& wedge, Field& weight) const {
     const Faces faces = faces_of(wedge);

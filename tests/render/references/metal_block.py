@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Reference of SegmentDiffraction.BlocksOfMetalHaveTwoPolarisations: the field behind a long block of metal, over that without it.
+"""Reference of SegmentDiffraction.BlocksOfMetalHaveTwoPolarisations and SquareBlocksOfMetal: the field behind metal, over that without it.
 
 A boundary integral equation in two dimensions, with Hankel's kernel (i/4) H0(k r) and elements of constant value that grow from the
 corners on. Soft (u = 0): of the first kind for the normal derivative; hard (du/dn = 0): of the second kind for u. Both have 40 more
@@ -10,6 +10,8 @@ Lengths are in wavelengths. The block fills 0 < x < thickness, -depth < y < 0. T
 degrees below the plane y = 0, the receiver 20 from the edge (thickness, 0), `beta` degrees below it. The mean over four depths cancels
 what goes around below. The last step turns the ratio into that of a point source and edges without end: a factor sqrt(R/path), R being
 the distance and `path` the length of the path over the block.
+
+A second table has a square of 10 by 10, around both sides of which light arrives: source at (-11.25, 6.875), receivers at (13, y).
 
     python3 metal_block.py [elements per wavelength, 8]     needs numpy and scipy; a minute
 """
@@ -112,6 +114,12 @@ def main():
             db.append(20 * np.log10(np.abs(u) * np.sqrt(straight / np.maximum(path, straight))))
         for beta, soft, hard in zip(betas, *db):
             print(f"{{{thickness}, {alpha}, {beta}, {soft:.2f}, {hard:.2f}}},")
+    print("square: y, soft dB, hard dB")
+    y = np.linspace(-7, -16, 37)
+    receivers = np.stack([np.full(len(y), 13.0), y], axis=1)
+    both = [field(10, 10, np.array([-11.25, 6.875]), receivers, is_hard, per_wavelength) for is_hard in (False, True)]
+    for values in zip(y, *(20 * np.log10(np.abs(u)) for u in both)):
+        print("{{{:g}, {:.2f}, {:.2f}}},".format(*values))
 
 
 if __name__ == "__main__":

@@ -82,7 +82,7 @@ public:
   std::string length(double metres) const;
   /// The film and the sampler of a sensor with so many detectors.
   std::string film(std::size_t detectors) const;
-  /// Traces a scene by an integrator, `path` or `ptracer`. `content` has shapes, emitters and one sensor with `film(detectors)`.
+  /// Traces a scene by an integrator, `path`, `ptracer` or `bdpt`. `content` has shapes, emitters and one sensor with `film(detectors)`.
   /// Throws Error if `stop` is set meanwhile.
   Readings trace(const std::string& content, const std::map<std::string, ObjectPtr>& given,
                  std::size_t detectors, const char* integrator = "path") const;

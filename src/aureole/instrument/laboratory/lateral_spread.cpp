@@ -78,13 +78,15 @@ SpreadTable measure_spread(const Bench& bench, const Specimen& specimen, const S
   std::vector<std::optional<optics::Multipole>> diffusion;
   for (const double nm : table.nm)
     diffusion.push_back(diffusion_of(specimen, bench.grid(), bench.length_unit_m(), nm));
+  // Paths from the receiver would have to find the narrow beam within the slab, and paths from the lamp reach the receiver only
+  // where light leaves at a vertex: behind a smooth interface both ends are connected within the slab.
+  const char* const integrator = specimen.is_refracting() ? "bdpt" : "ptracer";
   for (const double at : s.at_m) {
     // A point's light on a strip is the spread of a line: it makes no difference which of the two is long.
     GonioScenes scene(bench, g);
     scene.add_specimen(specimen), scene.add_lamp(0, s.lamp_angle);
     scene.add_receiver_beside(at, 0.5 * s.receiver_m, s.is_line);
-    // Paths from the receiver would have to find the narrow beam within the slab.
-    const Readings read = scene.read("ptracer");
+    const Readings read = scene.read(integrator);
     SpreadReading reading{at, {}, {}};
     for (std::size_t b = 0; b < bands; ++b) {
       Ratio q = ratio_of(read, 0, irradiance, 0, b);

@@ -45,6 +45,10 @@ bool is_flat(const Shape& shape) {
 
 }  // namespace
 
+bool Specimen::is_refracting() const {
+  return is_slab() && bsdf && !bsdf->is_smooth() && !has(bsdf->lobes(), Lobe::null);
+}
+
 bool Specimen::is_translucent() const {
   if (is_slab()) return true;
   if (!bsdf) return element.find("\"null\"") != element.npos;

@@ -25,6 +25,8 @@ struct Specimen {
   std::string element = {};  ///< a <bsdf> as XML, for standards
 
   bool is_slab() const { return thickness_m > 0; }
+  /// Whether the surface of a slab refracts light and scatters none: rays that pass it have one direction.
+  bool is_refracting() const;
   /// Whether light may pass: a slab, or a BSDF that transmits.
   bool is_translucent() const;
   /// The index of refraction, relative to the outside and in the middle of the grid, of the body behind a surface that is no slab; 1: none.

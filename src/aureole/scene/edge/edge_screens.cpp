@@ -191,7 +191,7 @@ bool EdgeScreens::is_copy(std::size_t edge, const EdgePassage& part, double wave
 }
 
 std::optional<EdgeScreens::Screen> EdgeScreens::find_screen(
-    std::size_t edge, const EdgePassage& part, bool towards_end, bool is_seen, double wavelength,
+    std::size_t edge, const EdgePassage& part, bool towards_end, bool is_seen, int side, double wavelength,
     const std::function<bool(const Screen&)>& is_open) const {
   const double depth = dot(part.p, segment_.d);
   EdgeSegment rest{segment_.from, part.in, length(part.p)};
@@ -209,7 +209,9 @@ std::optional<EdgeScreens::Screen> EdgeScreens::find_screen(
   const auto look_at = [&](std::size_t other) {
     const EdgeBeside& screen = beside_[other];
     const double between = (lines_[other].depth - depth) * (towards_end ? 1 : -1);
-    if (!(between > least_depth) || !(std::abs(cosine(edge, other)) >= OutlineEdges::kSideBySide) ||
+    const double parallel = cosine(edge, other);
+    if (!(between > least_depth) ||
+        !((side == 0 ? std::abs(parallel) : side * parallel) >= OutlineEdges::kSideBySide) ||
         !may_hide(edge, other))
       return;
     const DetourLine line(lines_[other].line, rest);

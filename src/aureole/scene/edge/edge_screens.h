@@ -56,9 +56,10 @@ public:
   /// or begin. If the part is visible from there (`is_seen`), light passes the screen on its open side. If it
   /// is not, light passes in the screen's shadow, and is_open(screen) tells whether light by way of the point
   /// beside the screen is unoccluded. It takes O(log n) for n edges beside the segment, if few of them are
-  /// near the light.
+  /// near the light. `side`: 1 or -1 for screens with the same or with the opposite open side as the edge, about the
+  /// segment; 0 for both.
   std::optional<Screen> find_screen(std::size_t edge, const EdgePassage& part, bool towards_end, bool is_seen,
-                                    double wavelength,
+                                    int side, double wavelength,
                                     const std::function<bool(const Screen&)>& is_open) const;
 
 private:
