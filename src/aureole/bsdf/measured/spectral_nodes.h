@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "aureole/core/shuffle.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
@@ -141,7 +142,7 @@ public:
 private:
   static Spectrum pick(const Spectrum& values, SpectrumMask index) {
     const SpectrumMask is_inside = (index >= 0) & (index < kWavelengths);
-    return is_inside ? __builtin_shuffle(values.v, index) : Spectrum(0.f).v;
+    return is_inside ? shuffle(values.v, index) : Spectrum(0.f).v;
   }
 
   SpectrumMask index_;

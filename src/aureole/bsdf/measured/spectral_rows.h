@@ -16,6 +16,7 @@
 
 #include "aureole/bsdf/measured/spectral_nodes.h"
 #include "aureole/core/large_array.h"
+#include "aureole/core/shuffle.h"
 
 namespace aureole {
 
@@ -89,7 +90,7 @@ private:
 
   static Spectrum pick(const Spectrum& values, SpectrumMask index) {
     const SpectrumMask is_inside = (index >= 0) & (index < kWavelengths);
-    return is_inside ? __builtin_shuffle(values.v, index) : Spectrum(0.f).v;
+    return is_inside ? shuffle(values.v, index) : Spectrum(0.f).v;
   }
 
   /// The slots of the wavelengths around those of a path, and the blocks of kWavelengths slots that contain them.

@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "aureole/core/parallel.h"
+#include "aureole/core/shuffle.h"
 #include "aureole/shape/geometry/double3.h"
 
 namespace aureole {
@@ -47,7 +48,6 @@ float dot3(Float4 a, Float4 b) {
   const Float4 p = a * b;
   return p[0] + p[1] + p[2];
 }
-Float4 shuffle(Float4 v, Int4 order) { return __builtin_shuffle(v, order); }
 
 /// Returns a x b, every component to within an ulp or two (Kahan's difference of products by fused
 /// multiply-adds).
