@@ -116,6 +116,11 @@ std::complex<double> Wedge::over_half_plane_and_image(double k_distance, double 
   constexpr double kGrazing = 1e-4;
   phi_i = std::max(phi_i, kGrazing);
   phi = beside_shadow(std::max(phi, kGrazing), phi_i);
+  // At grazing incidence the boundaries of shadow and of reflection coincide: the larger angle is moved out of the
+  // gap between them that the smaller angle leaves.
+  const double least = std::min(phi, phi_i);
+  if (least < 2 * kGrazing && std::abs(phi - phi_i) < pi && phi + phi_i > pi)
+    (phi > phi_i ? phi : phi_i) += 2.5 * least;
   const auto with_image = [&](double n) {
     const auto both = [&](double angle) { return term(n, k_distance, angle) + term(n, k_distance, -angle); };
     return both(phi - phi_i) + face * both(phi + phi_i);
