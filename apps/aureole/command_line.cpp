@@ -136,6 +136,11 @@ private:
     CLI::Option* option = sub.add_option(o.names_, target, o.help_);
     if constexpr (std::is_arithmetic_v<T>)
       if (o.min_ < o.max_) option->check(CLI::Range(T(o.min_), T(o.max_)));
+    if constexpr (std::is_floating_point_v<T>)
+      if (o.min_ < o.max_)  // a NaN lies within every range of CLI11
+        option->check([](const std::string& text) {
+          return CLI::detail::to_lower(text).find("nan") == text.npos ? "" : text + " is not a number";
+        });
     return option;
   }
 

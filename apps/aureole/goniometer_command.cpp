@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -34,6 +35,8 @@ struct GoniometerOptions {
   double step = 20, bandwidth = 0;
   bool fit = false, report = false, is_quiet = false;
   GonioPlan directions;
+  /// Half-angles of the cones of lamp and detector [degrees]; NaN: not stated.
+  double lamp_angle = std::numeric_limits<double>::quiet_NaN(), detector_angle = lamp_angle;
   GoniometerSettings settings;
   TraceSettings trace;
 };
@@ -164,6 +167,8 @@ int goniometer(GoniometerOptions o) {
   if (!o.output.empty() && std::filesystem::path(o.output).extension() != ".csv")
     throw Error({o.output, 0, 0}, "the table is a .csv file");
   if (!o.material.empty() || !o.models.empty()) o.fit = true;
+  if (!std::isnan(o.lamp_angle)) s.lamp_angle = o.lamp_angle;
+  if (!std::isnan(o.detector_angle)) s.detector_angle = o.detector_angle;
   set_length("--aperture", o.aperture, s.viewed_m);
   if (!o.aperture.empty()) s.lit_m = 2 * s.viewed_m;
   set_length("--lit", o.lit, s.lit_m), set_length("--sample-size", o.sample, s.sample_m);
@@ -246,9 +251,8 @@ int goniometer(GoniometerOptions o) {
     FitSettings fit;
     fit.models = o.models;
     // The apertures that measured a file are those that the user states.
-    const GoniometerSettings usual;
-    if (!is_file || s.lamp_angle != usual.lamp_angle) fit.lamp_angle = s.lamp_angle;
-    if (!is_file || s.detector_angle != usual.detector_angle) fit.detector_angle = s.detector_angle;
+    if (!is_file || !std::isnan(o.lamp_angle)) fit.lamp_angle = s.lamp_angle;
+    if (!is_file || !std::isnan(o.detector_angle)) fit.detector_angle = s.detector_angle;
     if (!is_file || !o.aperture.empty()) fit.viewed_m = s.viewed_m, fit.distance_m = s.distance_m;
     const std::vector<BrdfFit> fits = fit_brdfs(table, fit);
     if (!o.is_quiet) fmt::print("{}", fit_text(fits));
@@ -288,12 +292,13 @@ std::function<int()> declare_goniometer(CommandOptions& options) {
               "compare with a Lambertian standard; default: measure the irradiance");
   options.add("--standard", s.standard, "reflectance of the standard").shows_default();
   options
-      .add("--lamp-angle", s.lamp_angle, "half of the angle under which the sample sees the lamp, in degrees")
-      .shows_default();
+      .add("--lamp-angle", o->lamp_angle,
+           "half of the angle under which the sample sees the lamp, in degrees (default 0.5)")
+      .between(0, 90);
   options
-      .add("--detector-angle", s.detector_angle,
-           "half of the angle under which it sees a detector, in degrees")
-      .shows_default();
+      .add("--detector-angle", o->detector_angle,
+           "half of the angle under which it sees a detector, in degrees (default 0.5)")
+      .between(0, 90);
   options.add("--aperture", o->aperture, "diameter of the viewed area (default 10mm)");
   options.add("--lit", o->lit, "diameter of the lit area (default: twice the viewed one)");
   options.add("--sample-size", o->sample, "extent of the sample (default 60mm)");

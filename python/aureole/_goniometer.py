@@ -395,9 +395,9 @@ def goniometer(
     transmission: bool = False,
     reference: bool = False,
     standard: float = 0.99,
-    lamp_angle: float = 0.5,
-    detector_angle: float = 0.5,
-    aperture: Length = "10mm",
+    lamp_angle: Optional[float] = None,
+    detector_angle: Optional[float] = None,
+    aperture: Optional[Length] = None,
     lit: Optional[Length] = None,
     sample_size: Length = "60mm",
     thickness: Optional[Length] = None,
@@ -427,8 +427,8 @@ def goniometer(
         Also measure below the sample.
     reference : bool
         Compare with a Lambertian standard of reflectance `standard`; else the irradiance is measured.
-    lamp_angle, detector_angle : float
-        Half of the angles under which the sample sees them, in degrees.
+    lamp_angle, detector_angle : float, optional
+        Half of the angles under which the sample sees them, in degrees: 0.5; those of a table, over which fits average: 0.
     aperture, lit, sample_size : float or str
         Diameters of the viewed and the lit area (by default twice as large), and extent of the sample, in m or with their unit.
     thickness : float or str, optional
@@ -446,10 +446,11 @@ def goniometer(
     -------
     GoniometerData
     """
+    stated = (lamp_angle, detector_angle, aperture)
     options = _options(
-        lamp_angle,
-        detector_angle,
-        aperture,
+        0.5 if lamp_angle is None else lamp_angle,
+        0.5 if detector_angle is None else detector_angle,
+        "10mm" if aperture is None else aperture,
         lit,
         sample_size,
         thickness,
@@ -484,10 +485,11 @@ def goniometer(
         np.array(found["phi_o"]),
         np.array(found["f"]).reshape(-1, len(nm)),
         np.array(found["error"]).reshape(-1, len(nm)),
-        # A table does not state its cones and its viewed area.
-        0.0 if is_table else options["lamp_angle"],
-        0.0 if is_table else options["detector_angle"],
-        0.0 if is_table else options["aperture"],
+        # A table does not state its cones and its viewed area: they are those of the arguments, or a point.
+        *(
+            0.0 if is_table and value is None else options[name]
+            for name, value in zip(("lamp_angle", "detector_angle", "aperture"), stated)
+        ),
     )
 
 

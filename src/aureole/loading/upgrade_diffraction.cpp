@@ -78,8 +78,11 @@ void upgrade_diffraction(Node& scene, Diagnostics& diagnostics) {
   const std::optional<double> metres = wavelength(scene, given, diagnostics);
   std::erase_if(integrator->children, [](const Node& c) { return c.get("name") == "wavelengths"; });
 
-  if (!integrator->named_child("diffraction")) add(*integrator, given, "boolean", "diffraction", "true");
-  if (!integrator->named_child("diffraction_model")) {
+  const Node* switched = integrator->named_child("diffraction");
+  const bool is_off = switched && switched->get("value") == "false";
+  if (!switched) add(*integrator, given, "boolean", "diffraction", "true");
+  if (!is_off && !integrator->named_child("diffraction_model") &&
+      !integrator->named_child("diffraction_polarisation")) {
     add(*integrator, given, "string", "diffraction_model", "beams");
     diagnostics.note(
         given.where,

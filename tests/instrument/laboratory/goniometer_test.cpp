@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "aureole/bsdf/measured/scattered_table.h"
 #include "aureole/core/error.h"
@@ -396,6 +397,14 @@ TEST(BrdfFits, GrazingReadingsDoNotBiasTheFit) {
     f.models = {"ggx"}, f.lamp_angle = s.lamp_angle, f.detector_angle = s.detector_angle;
     const double biased = fit_of(fit_brdfs(t, f), "ggx").parameters.back().value;
     f.viewed_m = s.viewed_m, f.distance_m = s.distance_m;
+    FitSettings impossible = f;
+    for (const double angle : {-1.0, 60.0, std::numeric_limits<double>::quiet_NaN()}) {
+      impossible.detector_angle = angle;
+      EXPECT_THROW(fit_brdfs(t, impossible), Error) << angle;
+    }
+    impossible = f;
+    impossible.viewed_m = 2 * f.distance_m;
+    EXPECT_THROW(fit_brdfs(t, impossible), Error);
     const BrdfFit fit = fit_of(fit_brdfs(t, f), "ggx");
     const FittedParameter& p = fit.parameters.back();
     ASSERT_EQ(p.name, "alpha");

@@ -272,6 +272,9 @@ TEST(LuminaireFiles, LampsOfEulumdat) {
   const Luminaire absolute = parse(ldt(1, {0}, {10, 20, 30}, "1\n-1\nled\n500\n4000\n80\n20\n", "2"));
   EXPECT_TRUE(absolute.is_absolute);
   EXPECT_EQ(absolute.lamp_flux(), 0);
+  EXPECT_NE(problem(ldt(1, {0}, {10, 20, 30}, "1\n-1\nled\n500\n4000\n80\n20\n", "2"), {.lamp_flux = 700})
+                .find("do not refer to the flux of lamps"),
+            std::string::npos);
   EXPECT_NEAR(absolute.distribution.at(0, 0), 10, 1e-12);
   EXPECT_NE(problem(ldt(1, {0}, {10, 20, 30}, "1\n1\nled\n0\n4000\n80\n20\n")).find("lamp_flux"),
             std::string::npos);

@@ -61,7 +61,7 @@ SpectralRows::SpectralRows(const SpectralGrid& grid, const SpectralNodes& nodes,
   // Numbers are scaled by a power of two, so that the largest one is at most 2^15 and small ones stay precise.
   int exponent = 0;
   if (maximum > 0) std::frexp(maximum, &exponent);
-  unit_ = std::ldexp(1.f, exponent - 15);
+  unit_ = std::ldexp(1.f, std::max(exponent - 15, -126));
 #else
   (void)maximum;
 #endif

@@ -374,6 +374,13 @@ std::vector<BrdfFit> fit_brdfs(const GonioTable& table, const FitSettings& setti
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(fmt::format("\"{}\" is no model{}; there are {}", name, did_you_mean(name, names),
                               fmt::join(names, ", ")));
+  for (const double angle : {settings.lamp_angle, settings.detector_angle})
+    if (!(angle >= 0 && angle <= 45))
+      throw Error(
+          fmt::format("a half-angle of {:g} degrees of lamp or detector: 0 to 45 is expected", angle));
+  if (!(settings.viewed_m >= 0 && settings.viewed_m < settings.distance_m))
+    throw Error(fmt::format("a viewed diameter of {:g} mm does not fit a distance of {:g} mm",
+                            1e3 * settings.viewed_m, 1e3 * settings.distance_m));
   const Fitter fitter(table, settings);
   if (fitter.size() == 0) throw Error("there is no reading of reflection to which a model could be fitted");
   std::vector<BrdfFit> fits;

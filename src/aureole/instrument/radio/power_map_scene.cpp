@@ -145,7 +145,8 @@ std::vector<std::string> power_map_notes(const PowerMapSettings& a, const Loaded
   if (integrator != "ptracer")
     notes.push_back(
         integrator +
-        " finds no light of a transmitter by way of walls that are mirrors, as slabs are: ptracer does");
+        " finds no light of a transmitter by way of walls that are mirrors, as slabs are: --integrator ptracer "
+        "does, also with --diffraction");
   const std::array<double, 3> n = normal_of_plane(a);
   const double size = std::max(a.size[0], a.size[1]);
   if (a.cell > 0) {

@@ -198,6 +198,9 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
   }
   if (options.lamp_set >= sets)
     throw lines.error(fmt::format("there is no set of lamps {}: the file has {}", options.lamp_set, sets));
+  if (options.lamp_flux > 0 && is_absolute)
+    throw lines.error(
+        "the intensities do not refer to the flux of lamps, which \"lamp_flux\" would replace: give \"flux\"");
   if (options.lamp_flux > 0) lamps[options.lamp_set].flux = options.lamp_flux;
   const double flux = lamps[options.lamp_set].flux;
   if (!(flux > 0))

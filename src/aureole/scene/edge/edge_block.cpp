@@ -83,6 +83,32 @@ EdgeBlock::EdgeBlock(const OutlineEdges& edges, const EdgePassage& first, const 
   const double height_begin = -dot(first.p, normal);
   const double height_end =
       is_infinite ? dot(segment.d, normal) : dot(segment.d * segment.length - first.p, normal);
+  // An end in the plane of the face, or just behind it, is moved away from the plane where the other end lies above:
+  // near the plane, the waves of direct light and of the image cancel, and the coefficients over those of half planes
+  // diverge.
+  constexpr double kBehind = 1.5e-4;  // angle from the plane
+  const double reach_end = is_infinite ? 1 : s2;
+  const auto shift = [&](double height, double reach, double other, double other_reach) {
+    const bool is_near = height <= 0 && height > -kBehind * reach && other > 1.45 * kBehind * other_reach;
+    return is_near ? -1.01 * kBehind * reach - height : 0.0;
+  };
+  const double shift_begin = shift(height_begin, s1, height_end, reach_end),
+               shift_end = shift(height_end, reach_end, height_begin, s1);
+  if (shift_begin != 0 || shift_end != 0) {
+    EdgeSegment moved = segment;
+    moved.from = segment.from + normal * shift_begin;
+    Double3 line = segment.d + normal * shift_end;
+    if (!is_infinite) {
+      line = segment.d * segment.length + normal * (shift_end - shift_begin);
+      moved.length = length(line);
+    }
+    moved.d = normalize(line);
+    EdgePassage from = first, to = second;
+    from.p = first.p - normal * shift_begin, to.p = second.p - normal * shift_begin;
+    from.in = normalize(from.p), to.out = is_infinite ? moved.d : normalize(line - to.p);
+    *this = EdgeBlock(edges, from, to, moved, is_open);
+    return;
+  }
   if (height_begin > 0 && height_end > 0) {
     kind_ = Kind::none;
     return;

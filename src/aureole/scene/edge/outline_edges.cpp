@@ -333,7 +333,8 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
     if (is_stated)
       notes_.push_back(
           "\"" + std::string(name) +
-          "\" of \"freespacediffraction\" has no effect with the diffraction model \"segments\"");
+          "\" of \"freespacediffraction\" has no effect with the diffraction model \"segments\": "
+          "diffraction_model=\"beams\" applies it");
 }
 
 bool has_same_outlines(const SceneParts& a, const SceneParts& b) {
