@@ -711,6 +711,24 @@ double loss_of(const std::string& obstacles, const std::string& polarisation, Ve
 
 // Blocks of metal 0.3 to 8 wavelengths thick, whose two edges diffract light one after the other along the roof between them, against a
 // boundary integral equation (tests/render/references/metal_block.py, which also says what the numbers are).
+// In the plane of a roof the waves of direct light and of the roof's image cancel, and the coefficients of both wedges
+// over those of half planes diverge.
+TEST(SegmentDiffraction, EndsInThePlaneOfARoofAreThoseJustBehindIt) {
+  const std::string block =
+      R"(<shape type="cube"><transform name="to_world"><scale x="0.15" y="4000" z="2000"/><translate x="0.15" z="-2000"/></transform>
+    <bsdf type="conductor"><string name="material" value="none"/></bsdf></shape>)";
+  for (const char* polarisation : {"soft", "hard"})
+    for (const float z : {0.f, 0.001f, 0.005f, 0.02f, 0.2f}) {
+      const Vec3 receiver{2.3f, 0, z};
+      const double behind = loss_of(block, polarisation, {-2, 0, -0.02f}, receiver);
+      for (const float height : {0.f, -1e-6f, -1e-4f, -0.001f, -0.005f}) {
+        const double in_plane = loss_of(block, polarisation, {-2, 0, height}, receiver);
+        EXPECT_LT(in_plane, 1) << polarisation << ", " << z << ", " << height;
+        EXPECT_NEAR(in_plane, behind, z >= 0.02f ? 2 : 6) << polarisation << ", " << z << ", " << height;
+      }
+    }
+}
+
 TEST(SegmentDiffraction, BlocksOfMetalHaveTwoPolarisations) {
   constexpr double kMetre = 0.1;  // wavelength
   struct Reference {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/scene/edge/edge_block.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -83,14 +84,14 @@ EdgeBlock::EdgeBlock(const OutlineEdges& edges, const EdgePassage& first, const 
   const double height_begin = -dot(first.p, normal);
   const double height_end =
       is_infinite ? dot(segment.d, normal) : dot(segment.d * segment.length - first.p, normal);
-  // An end in the plane of the face, or just behind it, is moved away from the plane where the other end lies above:
-  // near the plane, the waves of direct light and of the image cancel, and the coefficients over those of half planes
+  // An end in the plane of the face, or just behind it, is moved away from the plane, unless the segment would become
+  // occluded by that: near the plane, the waves of direct light and of the image cancel, and the coefficients over those of half planes
   // diverge.
-  constexpr double kBehind = 1.5e-4;  // angle from the plane
+  constexpr double kBehind = 5e-3;  // largest angle from the plane
   const double reach_end = is_infinite ? 1 : s2;
   const auto shift = [&](double height, double reach, double other, double other_reach) {
-    const bool is_near = height <= 0 && height > -kBehind * reach && other > 1.45 * kBehind * other_reach;
-    return is_near ? -1.01 * kBehind * reach - height : 0.0;
+    const double angle = is_open ? std::clamp(other / (1.45 * other_reach), 0.0, kBehind) : kBehind;
+    return height <= 0 && height > -angle * reach ? -1.01 * angle * reach - height : 0.0;
   };
   const double shift_begin = shift(height_begin, s1, height_end, reach_end),
                shift_end = shift(height_end, reach_end, height_begin, s1);
@@ -184,7 +185,9 @@ std::complex<double> EdgeBlock::over_half_planes(double wavelength, std::complex
   // Waves of an edge beyond the window are too weak to be divided by.
   constexpr double kLeast = 1e-12;
   if (std::abs(direct) < kLeast) return result;
-  return result * (1.0 + face * image / direct);
+  const std::complex<double> both = result * (direct + face * image);
+  // The waves of a mirror's face are at most twice those at the boundary of a shadow, 1/2 of the light.
+  return both / direct / std::max(1.0, std::abs(both));
 }
 
 }  // namespace aureole
