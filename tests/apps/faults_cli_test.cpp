@@ -182,7 +182,7 @@ TEST_F(Faults, ThreadsThatCannotBeMade) {
   const Outcome one = run({"render", s, "-o", "one.exr", "--spp", "16", "--threads", "1", "-q"});
   ASSERT_EQ(one.exit_code, 0) << one.output;
   const Image expected = read_image(folder.path / "one.exr");
-  for (const rlim_t kib : {300000, 500000, 900000})
+  for (const rlim_t kib : {200000, 300000, 500000})
     for (const char* threads : {"40", "400"}) {
       const Outcome o = run({"render", s, "-o", "many.exr", "--spp", "16", "--threads", threads}, [kib] {
         const rlimit limit{kib * 1024, kib * 1024};

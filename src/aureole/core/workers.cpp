@@ -31,8 +31,9 @@ public:
     rlimit limit;
     std::size_t used_pages = 0;
     if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-    // Limits the arenas of malloc, since each thread that allocates would reserve 64 MiB for itself.
-    mallopt(M_ARENA_MAX, 2);
+    // All threads share the one arena of malloc, since each further arena reserves 64 MiB, and 128 MiB for a
+    // moment in which another thread may ask for memory.
+    mallopt(M_ARENA_MAX, 1);
     if (std::FILE* statm = std::fopen("/proc/self/statm", "re")) {
       if (std::fscanf(statm, "%zu", &used_pages) != 1) used_pages = 0;
       std::fclose(statm);
