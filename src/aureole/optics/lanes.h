@@ -20,6 +20,19 @@ inline Lanes load_lanes(const double* p) {
 }
 inline void store_lanes(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 
+inline Lanes square_root(const Lanes& x) {
+  Lanes root;
+  for (int i = 0; i < kLanes; ++i) root[i] = std::sqrt(x[i]);
+  return root;
+}
+
+/// Returns the lanes in which a comparison is true: bit i is that of lane i.
+inline unsigned lanes_of(const LaneBits& comparison) {
+  Lanes signs;
+  std::memcpy(&signs, &comparison, sizeof signs);
+  return unsigned(__builtin_ia32_movmskpd256(signs));
+}
+
 /// Computes sine and cosine with errors near 2e-16 for |x| < 1e15. A multiple of pi/2 is subtracted in two
 /// parts; Taylor series cover the rest, up to pi/4.
 inline void sine_cosine(const Lanes& x, Lanes& sine, Lanes& cosine) {

@@ -4,6 +4,7 @@
 // other.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "aureole/optics/diffraction/boundary_wave.h"
+#include "aureole/optics/lanes.h"
 #include "aureole/scene/edge/outline_edges.h"
 
 namespace aureole {
@@ -69,6 +71,8 @@ private:
     Double3 across;                 ///< unit vector of its open side, perpendicular to the segment
     double depth;                   ///< of the passage's point, along the segment
     optics::PlanePoint begin, end;  ///< of the passage, in the Fresnel plane of a unit wavelength
+    std::uint32_t sheet;            ///< OutlineEdges::sheet_of, or one of its own
+    std::uint32_t sector;           ///< of the azimuth of `across`, of kSectors about the segment
   };
   /// A node of a tree of the lines. Points are relative to the segment's begin.
   struct Node {
@@ -76,14 +80,46 @@ private:
     double radius;                    ///< of a sphere about the centre that contains the edges
     double nearest, farthest;         ///< their depths along the segment
     optics::PlanePoint lower, upper;  ///< box of the passages in the Fresnel plane
-    std::uint32_t first, count;       ///< lines in `order_`, or the first of two children if count is 0
+    std::uint32_t first, count;       ///< blocks of a leaf, or the first of two children if count is 0
   };
   static constexpr std::size_t kDepth = 64;  ///< limit of the depth of the tree
+  static constexpr std::uint32_t kSectors = 32;
+  /// Numbers of sheets: of nodes with several sheets, and bit of edges that bound no sheet.
+  static constexpr std::uint32_t kMixed = 0xffffffff, kAlone = 0x80000000;
+  static constexpr std::uint32_t kLanes = optics::kLanes;
+  using LaneVector = std::array<optics::Lanes, 3>;
+  /// Lines that are tested together. Unused lanes repeat the last line.
+  struct Block {
+    LaneVector begin, e, across;  ///< begin of the edge, its direction, and `Line::across`
+    optics::Lanes length, depth;
+    std::array<optics::Lanes, 2> plane_begin, plane_along;  ///< of the passage, in the Fresnel plane
+    std::array<std::uint32_t, kLanes> lines;
+    std::uint32_t count = 0;    ///< of different lines
+    std::uint32_t sectors = 0;  ///< bits of the sectors of azimuth that contain an `across`
+    std::uint32_t sheet = 0;    ///< of all lines, or kMixed
 
+    void set(std::uint32_t lane, const Line& line);
+  };
+  /// Light between a part of an edge and an end of the segment, for which screens are searched.
+  struct Search {
+    Double3 from;  ///< its begin relative to that of the segment
+    EdgeSegment light;
+    Double3 across;  ///< `Line::across` of the part's edge
+    double depth, least_depth;
+    bool towards_end;
+    int side;
+  };
+
+  /// Returns the sector of a vector perpendicular to the segment.
+  std::uint32_t sector_of(const Double3& across) const;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count, std::size_t depth);
-  /// Calls visit(line) for the lines of all leaves whose nodes satisfy enters(node).
+  /// Calls visit(block) for the blocks of all leaves whose nodes satisfy enters(node).
   template <class Enters, class Visit>
   void visit(const Enters& enters, const Visit& visit) const;
+  /// Returns the distances of the lines of a block from the light, in units of Fresnel's parameter at a unit
+  /// wavelength, within rounding; kInfinity for lines that are no screens. `most_beyond`: by how much the light may
+  /// pass beyond the ends of a line, in the same units.
+  static optics::Lanes distances(const Block& block, const Search& search, double most_beyond);
   bool may_hide(std::size_t a, std::size_t b) const;
   /// Returns the cosine of the angle between the normals of two edges about the segment.
   double cosine(std::size_t a, std::size_t b) const { return dot(lines_[a].across, lines_[b].across); }
@@ -95,6 +131,7 @@ private:
   bool is_one_sheet_ = true;
   std::vector<Line> lines_;
   std::vector<Node> nodes_;
+  std::vector<Block> blocks_;
   std::vector<std::uint32_t> order_;  ///< lines in the order of the leaves
   double largest_offset_ = 0;         ///< largest distance from its edge of a point beside an edge
 };

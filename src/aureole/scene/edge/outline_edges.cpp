@@ -291,14 +291,9 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   sheet_ = flat_sheets(sets, welded_, kNoSheet);
   edges_ = joined(find_mesh_edges(sets), sheet_, kNoSheet, welded_);
   notes_ = shapes.remarks;
+  for (const MeshEdge& edge : edges_) box_.extend(edge.a), box_.extend(edge.b);
+  lines_ = EdgeLines(edges_);
   std::vector<Bounds3> boxes;
-  for (const MeshEdge& edge : edges_) {
-    Bounds3& box = boxes.emplace_back();
-    box.extend(edge.a), box.extend(edge.b);
-    box_.extend(edge.a), box_.extend(edge.b);
-  }
-  tree_ = BeamTree(boxes);
-  boxes.clear();
   balls_ = shapes.balls;
   for (const auto& ball : balls_) {
     lift_.push_back(float(ball.lift));
@@ -319,7 +314,7 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   window_behind_ =
       std::clamp(window_ * double(kMany) / double(std::max<std::size_t>(count, 1)), window_, kLargest);
   if (count > kMany) {
-    window_ = window_behind_ = 15;
+    window_open_ = window_ = window_behind_ = 15;
     notes_.push_back(
         "diffraction: the scene has " + std::to_string(count) +
         " edges, so that an edge counts up to the Fresnel parameter 15 only, where it sends 36 dB less "
@@ -346,29 +341,19 @@ bool has_same_outlines(const SceneParts& a, const SceneParts& b) {
 }
 
 Beam OutlineEdges::beam_of(const EdgeSegment& s, double detour) const {
-  double length = s.length;
-  double radius2 = detour * detour;
-  if (s.is_infinite()) {
-    // The paraboloid is widest at the far side of all edges.
-    length =
-        aureole::length(Double3(box_.center()) - s.from) + 0.5 * double(aureole::length(box_.diagonal()));
-    radius2 += 2 * length * detour;
-  } else {
-    radius2 = (radius2 + 2 * length * detour) / 4;
-  }
-  return {s.from.to_float(), s.d.to_float(), float(std::sqrt(radius2)), float(-detour / 2),
+  const double length = s.is_infinite() ? farthest(s) : s.length;
+  return {s.from.to_float(), s.d.to_float(), float(std::sqrt(squared_radius(s, detour))), float(-detour / 2),
           float(length + detour / 2)};
 }
 
 double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment, double wavelength,
                                         const std::function<bool(const Double3&)>& is_lit) const {
-  most = std::min(most, window_ * 4 / 3);
+  most = std::min(most, window_open_ * 4 / 3);
   const EdgeWindow window{most * 3 / 4, most * 3 / 4, wavelength, wavelength};
   const double detour = window.detour(window.largest), scale = 1 / std::sqrt(wavelength);
   double smallest = double(kInfinity);
-  const Beam beam = beam_of(segment, detour);
   if (!balls_.empty())
-    ball_tree_.visit(beam, [&](std::uint32_t i) {
+    ball_tree_.visit(beam_of(segment, detour), [&](std::uint32_t i) {
       smallest = std::min(smallest, scale * std::sqrt(squared_rim_parameter(i, segment)));
     });
   // The edges with the smallest v, in ascending order.
@@ -380,7 +365,7 @@ double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment,
   std::array<Candidate, kTests + 1> next;
   std::size_t count = 0;
   EdgePassage passage;
-  tree_.visit(beam, [&](std::uint32_t i) {
+  visit_lines(segment, detour, [&](std::uint32_t i) {
     if (!find_passage(edges_[i], segment, window, passage)) return;
     const DetourLine line(edges_[i], segment);
     const double v = scale * line.parameter(std::clamp(passage.middle, passage.begin, passage.end));

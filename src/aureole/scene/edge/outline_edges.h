@@ -19,6 +19,7 @@
 #include "aureole/scene/edge/beam_tree.h"
 #include "aureole/scene/edge/detour_line.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
+#include "aureole/scene/edge/edge_lines.h"
 #include "aureole/scene/edge/mesh_edges.h"
 #include "aureole/scene/scene_parts.h"
 #include "aureole/shape/geometry/double3.h"
@@ -145,16 +146,16 @@ public:
   template <class Visit>
   void visit(const EdgeSegment& segment, bool is_open, double shortest, double longest,
              std::deque<MeshEdge>& rims, const Visit& visit) const {
-    const EdgeWindow window{is_open ? window_ : window_behind_, window_, shortest, longest};
+    const EdgeWindow window{is_open ? window_open_ : window_behind_, is_open ? window_open_ : window_,
+                            shortest, longest};
     const double detour = window.detour(window.largest);
-    const Beam beam = beam_of(segment, detour);
     const auto visit_edge = [&](const MeshEdge& edge) {
       EdgePassage passage;
       if (find_passage(edge, segment, window, passage)) visit(passage);
     };
-    tree_.visit(beam, [&](std::uint32_t i) { visit_edge(edges_[i]); });
+    visit_lines(segment, detour, [&](std::uint32_t i) { visit_edge(edges_[i]); });
     if (balls_.empty()) return;
-    ball_tree_.visit(beam, [&](std::uint32_t i) { add_rim(i, segment, detour, rims); });
+    ball_tree_.visit(beam_of(segment, detour), [&](std::uint32_t i) { add_rim(i, segment, detour, rims); });
     for (const MeshEdge& edge : rims) visit_edge(edge);
   }
 
@@ -165,6 +166,9 @@ public:
   double smallest_parameter(double most, const EdgeSegment& segment, double wavelength,
                             const std::function<bool(const Double3&)>& is_lit) const;
 
+  static constexpr std::uint32_t kNoSheet = 0xffffffff;
+  /// Returns the number of the flat sheet that an edge bounds, or kNoSheet.
+  std::uint32_t sheet_of(const MeshEdge& edge) const { return sheet_[edge.face0.set]; }
   /// Whether both edges bound one flat sheet, so that neither occludes a part of the other.
   bool are_of_one_sheet(const MeshEdge& a, const MeshEdge& b) const {
     const std::uint32_t sheet = sheet_[a.face0.set];
@@ -221,7 +225,23 @@ private:
   double offset(const MeshEdge& edge, double rounding) const {
     return 2 * (rounding + double(welded_)) + 1.01 * double(lift_[edge.face0.set]);
   }
+  /// Returns the squared radius of a cylinder about a segment that contains all points of edges with detours up to
+  /// `detour`.
+  double squared_radius(const EdgeSegment& s, double detour) const {
+    if (!s.is_infinite()) return (detour * detour + 2 * s.length * detour) / 4;
+    return detour * detour + 2 * farthest(s) * detour;
+  }
+  /// Returns a bound of the distance of the edges along a segment of infinite length.
+  double farthest(const EdgeSegment& s) const {
+    return aureole::length(Double3(box_.center()) - s.from) + 0.5 * double(aureole::length(box_.diagonal()));
+  }
   Beam beam_of(const EdgeSegment& segment, double detour) const;
+  /// Calls visit(i) for a superset of the edges with points whose detour is at most `detour`.
+  template <class Visit>
+  void visit_lines(const EdgeSegment& s, double detour, const Visit& visit) const {
+    lines_.visit(
+        s.from, s.d, squared_radius(s, detour), [&] { return beam_of(s, detour); }, visit);
+  }
   /// Returns the squared Fresnel parameter, in the paraxial form, of a ball's outline at a unit wavelength;
   /// infinity if an end of the segment lies on the ball, or if the ball does not lie between the ends.
   double squared_rim_parameter(std::uint32_t ball, const EdgeSegment& segment) const;
@@ -236,18 +256,18 @@ private:
                     EdgePassage& out) const;
 
   std::vector<MeshEdge> edges_;
-  static constexpr std::uint32_t kNoSheet = 0xffffffff;
   std::vector<float> lift_;                              ///< of each set of triangles, see DiffractingShapes
   std::vector<DiffractingShapes::Reflection> reflects_;  ///< of each set of triangles
   std::vector<std::uint32_t> sheet_;  ///< of each set of triangles: equal for sets in one plane
-  BeamTree tree_;
+  EdgeLines lines_;
   std::vector<DiffractingShapes::BallInWorld> balls_;  ///< their sets follow those of triangles
   BeamTree ball_tree_;
   Bounds3 box_;
   double nm_;
-  /// |v| up to which contributions count fully beside all segments, and far in the shadow of edges. Light on an
-  /// unoccluded segment is so much brighter than what edges diffract that a smaller window serves there.
-  double window_ = 60, window_behind_ = 60;
+  /// |v| up to which contributions count fully beside unoccluded segments, beside occluded ones, and of edges far in
+  /// whose shadow a segment passes. Light on an unoccluded segment is so much brighter than what edges diffract that
+  /// a smaller window serves there.
+  double window_open_ = 20, window_ = 60, window_behind_ = 60;
   float welded_ = 0;  ///< distance within which vertices are welded
   std::vector<std::string> notes_;
 };

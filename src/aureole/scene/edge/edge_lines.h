@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// `EdgeLines`: finds the edges whose straight lines pass near a beam of light, several at once. Most segments of
+// paths have no edge near them, so that this test is most of what diffraction costs there.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "aureole/optics/lanes.h"
+#include "aureole/scene/edge/beam_tree.h"
+#include "aureole/scene/edge/mesh_edges.h"
+#include "aureole/shape/geometry/double3.h"
+
+namespace aureole {
+
+class EdgeLines {
+public:
+  EdgeLines() = default;
+  explicit EdgeLines(std::span<const MeshEdge> edges) : count_(edges.size()) {
+    std::vector<Bounds3> boxes;
+    // The lanes behind the last edge repeat it.
+    const std::size_t padded = count_ + (count_ > 0 ? kLanes - 1 : 0);
+    for (auto& values : lines_) values.resize(padded);
+    for (std::size_t i = 0; i < padded; ++i) {
+      const MeshEdge& edge = edges[std::min(i, count_ - 1)];
+      const Double3 a(edge.a), along = Double3(edge.b) - a, e = along * (1 / length(along));
+      const double values[] = {a.x, a.y, a.z, e.x, e.y, e.z};
+      for (std::size_t k = 0; k < lines_.size(); ++k) lines_[k][i] = values[k];
+      if (i < count_) boxes.emplace_back().extend(edge.a), boxes.back().extend(edge.b);
+    }
+    tree_ = BeamTree(boxes);
+  }
+
+  /// Calls visit(i) for a superset of the edges within the distance `radius` of the line through `o` with the unit
+  /// direction `d`, by their numbers. `beam()` returns a beam about the line that contains all edges that matter.
+  /// O(log n) for n edges of which few are near.
+  template <class MakeBeam, class Visit>
+  void visit(const Double3& o, const Double3& d, double squared_radius, const MakeBeam& beam,
+             const Visit& visit) const {
+    const double radius2 = squared_radius * 1.0001;
+    // Testing all of few edges takes less time than a tree.
+    constexpr std::size_t kFew = 96;
+    if (count_ > kFew) {
+      tree_.visit(beam(), [&](std::uint32_t i) {
+        const auto value = [&](std::size_t k) { return lines_[k][i]; };
+        if (!(excess(value, o, d, radius2) > 0)) visit(i);
+      });
+      return;
+    }
+    for (std::size_t i = 0; i < count_; i += kLanes) {
+      const auto value = [&](std::size_t k) { return optics::load_lanes(&lines_[k][i]); };
+      const unsigned near = optics::lanes_of(excess(value, o, d, radius2) <= 0);
+      if (near == 0) continue;
+      for (std::size_t k = 0; k < std::min(kLanes, count_ - i); ++k)
+        if (near >> k & 1) visit(std::uint32_t(i + k));
+    }
+  }
+
+private:
+  static constexpr std::size_t kLanes = std::size_t(optics::kLanes);
+
+  /// Returns a number above 0 if the lines are farther from the beam's line than its radius. `value(k)`: the
+  /// coordinates of their begins (k = 0, 1, 2) and directions (3, 4, 5).
+  template <class Value>
+  static auto excess(const Value& value, const Double3& o, const Double3& d, double radius2) {
+    const auto ex = value(3), ey = value(4), ez = value(5);
+    const auto nx = ey * d.z - ez * d.y, ny = ez * d.x - ex * d.z, nz = ex * d.y - ey * d.x;
+    const auto apart = (value(0) - o.x) * nx + (value(1) - o.y) * ny + (value(2) - o.z) * nz;
+    // Lines parallel to the beam have no common perpendicular of a known direction: they count as near.
+    return apart * apart - radius2 * (nx * nx + ny * ny + nz * nz) - 1e-24;
+  }
+
+  std::array<std::vector<double>, 6> lines_;
+  std::size_t count_ = 0;
+  BeamTree tree_;
+};
+
+}  // namespace aureole
