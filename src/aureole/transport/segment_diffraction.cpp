@@ -282,9 +282,11 @@ private:
     Field& weight = passing.weight;
     weight.fill(1 - part.in_rows), passing.together.fill(1);
     passing.turns = part.is_outline;
+    // The end from which the part is not seen is looked at first: often no light arrives from there.
+    const bool first = part.seen_from_end && !part.seen_from_begin;
     const bool arrives = screens_->is_one_sheet() ? part.is_seen()
-                                                  : part.in_rows < 1 && pass_screens(part, true, passing) &&
-                                                        pass_screens(part, false, passing) && passing.turns;
+                                                  : part.in_rows < 1 && pass_screens(part, first, passing) &&
+                                                        pass_screens(part, !first, passing) && passing.turns;
     if (!arrives) weight.fill(0);
     if (is_wedge_ && arrives) make_wedge(part, passing);
     if (part.is_seen())

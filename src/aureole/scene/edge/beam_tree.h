@@ -36,6 +36,9 @@ public:
   /// `boxes` has one box per item; `cones` has one cone per item or is empty.
   BeamTree(std::span<const Bounds3> boxes, std::span<const NormalCone> cones = {});
 
+  /// Returns the numbers of all items in the order of the leaves.
+  std::span<const std::uint32_t> items() const { return items_; }
+
   std::size_t memory_bytes() const {
     return nodes_.size() * sizeof(Node) + items_.size() * sizeof(std::uint32_t);
   }

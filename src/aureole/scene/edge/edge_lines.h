@@ -18,8 +18,14 @@ namespace aureole {
 class EdgeLines {
 public:
   EdgeLines() = default;
-  explicit EdgeLines(std::span<const MeshEdge> edges) : count_(edges.size()) {
-    std::vector<Bounds3> boxes;
+  /// Orders the edges so that those near each other are adjacent in memory.
+  explicit EdgeLines(std::vector<MeshEdge>& edges) : count_(edges.size()) {
+    if (count_ > kFew) {
+      const std::vector<MeshEdge> unordered = edges;
+      const BeamTree tree(boxes_of(edges));
+      for (std::size_t i = 0; i < count_; ++i) edges[i] = unordered[tree.items()[i]];
+      tree_ = BeamTree(boxes_of(edges));
+    }
     // The lanes behind the last edge repeat it.
     const std::size_t padded = count_ + (count_ > 0 ? kLanes - 1 : 0);
     for (auto& values : lines_) values.resize(padded);
@@ -28,30 +34,30 @@ public:
       const Double3 a(edge.a), along = Double3(edge.b) - a, e = along * (1 / length(along));
       const double values[] = {a.x, a.y, a.z, e.x, e.y, e.z};
       for (std::size_t k = 0; k < lines_.size(); ++k) lines_[k][i] = values[k];
-      if (i < count_) boxes.emplace_back().extend(edge.a), boxes.back().extend(edge.b);
     }
-    tree_ = BeamTree(boxes);
   }
 
-  /// Calls visit(i) for a superset of the edges within the distance `radius` of the line through `o` with the unit
-  /// direction `d`, by their numbers. `beam()` returns a beam about the line that contains all edges that matter.
-  /// O(log n) for n edges of which few are near.
+  /// Calls visit(i) for a superset of the edges within a distance of the line through `o` with the unit direction
+  /// `d`, by their numbers. `beam()` returns a beam about the line that contains all edges that matter. `visit` may
+  /// make `squared_radius` smaller. O(log n) for n edges of which few are near.
   template <class MakeBeam, class Visit>
-  void visit(const Double3& o, const Double3& d, double squared_radius, const MakeBeam& beam,
+  void visit(const Double3& o, const Double3& d, const double& squared_radius, const MakeBeam& beam,
              const Visit& visit) const {
-    const double radius2 = squared_radius * 1.0001;
-    // Testing all of few edges takes less time than a tree.
-    constexpr std::size_t kFew = 96;
+    constexpr double kRounding = 1.0001;
     if (count_ > kFew) {
-      tree_.visit(beam(), [&](std::uint32_t i) {
+      Beam narrowing = beam();
+      double radius2 = squared_radius;
+      tree_.visit(narrowing, [&](std::uint32_t i) {
         const auto value = [&](std::size_t k) { return lines_[k][i]; };
-        if (!(excess(value, o, d, radius2) > 0)) visit(i);
+        if (excess(value, o, d, radius2 * kRounding) > 0) return;
+        visit(i);
+        if (squared_radius < radius2) radius2 = squared_radius, narrowing.radius = float(std::sqrt(radius2));
       });
       return;
     }
     for (std::size_t i = 0; i < count_; i += kLanes) {
       const auto value = [&](std::size_t k) { return optics::load_lanes(&lines_[k][i]); };
-      const unsigned near = optics::lanes_of(excess(value, o, d, radius2) <= 0);
+      const unsigned near = optics::lanes_of(excess(value, o, d, squared_radius * kRounding) <= 0);
       if (near == 0) continue;
       for (std::size_t k = 0; k < std::min(kLanes, count_ - i); ++k)
         if (near >> k & 1) visit(std::uint32_t(i + k));
@@ -60,6 +66,14 @@ public:
 
 private:
   static constexpr std::size_t kLanes = std::size_t(optics::kLanes);
+  static constexpr std::size_t kFew = 96;  ///< testing all of so many edges takes less time than a tree
+
+  static std::vector<Bounds3> boxes_of(std::span<const MeshEdge> edges) {
+    std::vector<Bounds3> boxes;
+    boxes.reserve(edges.size());
+    for (const MeshEdge& edge : edges) boxes.emplace_back().extend(edge.a), boxes.back().extend(edge.b);
+    return boxes;
+  }
 
   /// Returns a number above 0 if the lines are farther from the beam's line than its radius. `value(k)`: the
   /// coordinates of their begins (k = 0, 1, 2) and directions (3, 4, 5).

@@ -329,8 +329,8 @@ std::optional<EdgeScreens::Screen> EdgeScreens::find_screen(
   }
   const double least_depth = wavelength / 20, root = std::sqrt(wavelength);
   // A screen with a larger v changes the wave on its open side by less than 1/(pi v), and lets less than that
-  // pass in its shadow. Few edges are cheap, so that light deep in their shadows is right as well.
-  const double largest = (beside_.size() > 64 ? 6 : 400) * root;
+  // pass in its shadow.
+  const double largest = edges_.largest_window() * root;
   std::optional<Screen> found;
   double nearest = largest;
   const auto look_at = [&](std::size_t other, double distance) {

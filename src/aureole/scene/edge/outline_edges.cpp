@@ -305,19 +305,20 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
     box_.extend(box.lower), box_.extend(box.upper);
   }
   if (!balls_.empty()) ball_tree_ = BeamTree(boxes);
-  constexpr std::size_t kMany = 4096;
   std::size_t count = edges_.size();
   for (const auto& ball : balls_) count += std::size_t(ball.pieces);
-  // Far in the shadow of few edges light is diffracted that is 66 dB weaker than without obstacles. The time of
-  // a segment grows with the edges in the window.
-  constexpr double kLargest = 400;
-  window_behind_ =
-      std::clamp(window_ * double(kMany) / double(std::max<std::size_t>(count, 1)), window_, kLargest);
-  if (count > kMany) {
-    window_open_ = window_ = window_behind_ = 15;
+  // Far in the shadow of few edges light is diffracted that is 66 dB weaker than without obstacles. The time of a
+  // segment grows faster than the number of edges in the window.
+  constexpr double kFew = 256, kCrowd = 4096, kLeast = 15, kLeastInCrowd = 8;
+  const double few = kFew / double(std::max<std::size_t>(count, 1));
+  window_ = std::clamp(2 * few * window_, kLeast, window_);
+  window_behind_ = std::clamp(few * kLargestWindow, window_, kLargestWindow);
+  window_open_ = std::min(window_open_, window_);
+  if (double(count) > kCrowd) {
+    window_open_ = window_ = window_behind_ = kLeastInCrowd;
     notes_.push_back(
         "diffraction: the scene has " + std::to_string(count) +
-        " edges, so that an edge counts up to the Fresnel parameter 15 only, where it sends 36 dB less "
+        " edges, so that an edge counts up to the Fresnel parameter 8 only, where it sends 31 dB less "
         "than the unobstructed light");
   }
   if (edges_.empty() && balls_.empty()) notes_.push_back(kNoDiffractingEdges);
@@ -365,16 +366,24 @@ double OutlineEdges::smallest_parameter(double most, const EdgeSegment& segment,
   std::array<Candidate, kTests + 1> next;
   std::size_t count = 0;
   EdgePassage passage;
-  visit_lines(segment, detour, [&](std::uint32_t i) {
-    if (!find_passage(edges_[i], segment, window, passage)) return;
-    const DetourLine line(edges_[i], segment);
-    const double v = scale * line.parameter(std::clamp(passage.middle, passage.begin, passage.end));
-    if (!(v < smallest) || (count == next.size() && !(v < next.back().v))) return;
-    std::size_t at = std::min(count, next.size() - 1);
-    for (; at > 0 && v < next[at - 1].v; --at) next[at] = next[at - 1];
-    next[at] = {v, passage};
-    count = std::min(count + 1, next.size());
-  });
+  double reach = squared_radius(segment, detour);
+  lines_.visit(
+      segment.from, segment.d, reach, [&] { return beam_of(segment, detour); },
+      [&](std::uint32_t i) {
+        const DetourLine line(edges_[i], segment);
+        const double v = scale * line.parameter(std::clamp(line.middle(), 0.0, line.length));
+        if (!(v < std::min(smallest, most)) || (count == next.size() && !(v < next.back().v)) ||
+            !find_passage(edges_[i], segment, window, passage))
+          return;
+        std::size_t at = std::min(count, next.size() - 1);
+        for (; at > 0 && v < next[at - 1].v; --at) next[at] = next[at - 1];
+        next[at] = {v, passage};
+        count = std::min(count + 1, next.size());
+        if (count < next.size()) return;
+        // Only edges with a smaller v matter from now on.
+        const double v2 = next.back().v * next.back().v;
+        reach = squared_radius(segment, wavelength * v2 / 4);
+      });
   for (std::size_t k = 0; k < count; ++k) {
     const Candidate& c = next[k];
     EdgeSide side;

@@ -217,6 +217,9 @@ public:
   void add_row(std::span<const EdgePairField> pairs, std::span<const RowEdge> row, double factor,
                const double* wavelengths, int count, std::complex<double>* field) const;
 
+  /// Returns the largest |v| up to which edges count.
+  double largest_window() const { return window_behind_; }
+
   /// Returns a wavelength of a path in units of the scene.
   double wavelength(float nm) const { return double(nm) * nm_; }
 
@@ -267,7 +270,8 @@ private:
   /// |v| up to which contributions count fully beside unoccluded segments, beside occluded ones, and of edges far in
   /// whose shadow a segment passes. Light on an unoccluded segment is so much brighter than what edges diffract that
   /// a smaller window serves there.
-  double window_open_ = 20, window_ = 60, window_behind_ = 60;
+  double window_open_ = 20, window_ = 60, window_behind_ = kLargestWindow;
+  static constexpr double kLargestWindow = 400;
   float welded_ = 0;  ///< distance within which vertices are welded
   std::vector<std::string> notes_;
 };
