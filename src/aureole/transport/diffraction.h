@@ -21,19 +21,21 @@ inline Spectrum diffraction_factor(const Scene& scene, const Vec3& origin, const
 }
 
 /// Multiplies the passage of a connection by its diffraction factor after its visibility test, whose result
-/// is `is_open`. Returns true if light arrives.
+/// is `is_open`. Returns true if light arrives. `before`: the chain that the connection continues, or null.
 inline bool apply_diffraction(const Scene& scene, TestSegment& segment, bool is_open, const Wavelengths& w,
-                              std::uint32_t key) {
-  if (scene.outline_edges()) return diffract_connection(scene, segment, is_open, w);
+                              std::uint32_t key, const SegmentChain* before = nullptr) {
+  if (scene.outline_edges()) return diffract_connection(scene, segment, is_open, w, before);
   if (is_open && scene.diffraction()) segment.passage *= left_by_edges(scene, LightWay::of(segment), w, key);
   return is_open;
 }
 
-/// Tests a single connection: true where light arrives from its far end; `passage` is complete then.
-inline bool arrives(const Scene& scene, TestSegment& connection, const Wavelengths& w, std::uint32_t key) {
+/// Tests a single connection: true where light arrives from its far end; `passage` is complete then. `before`: the
+/// chain that the connection continues, or null.
+inline bool arrives(const Scene& scene, TestSegment& connection, const Wavelengths& w, std::uint32_t key,
+                    const SegmentChain* before = nullptr) {
   connection.goes_behind = scene.outline_edges() != nullptr;
   const bool is_open = is_visible(scene, connection, w);
-  return apply_diffraction(scene, connection, is_open, w, key);
+  return apply_diffraction(scene, connection, is_open, w, key, before);
 }
 
 }  // namespace aureole

@@ -48,15 +48,23 @@ public:
   explicit EdgeWalk(const Scene& scene) : scene_(scene), is_on_(has_diffracting_edges(scene)) {}
 
   /// Multiplies the path's throughput by the diffraction factor of a segment of the given length along the
-  /// present ray.
+  /// present ray. `is_kept`: its end is a vertex with `may_continue_chain`; the segment is kept in the path's chain
+  /// instead.
   template <class W>
-  void attenuate(W& walk, int i, float length) const {
+  void attenuate(W& walk, int i, float length, bool is_kept = false) const {
     if (!W::kDiffracts || (!scene_.diffraction() && !scene_.outline_edges())) return;
     auto& s = walk.state(i);
     if (scene_.outline_edges()) {
-      if (!W::kDefersDiffraction || walk.log().follows(i) || !defer(walk, i, length))
-        s.density.attenuate(factor(walk, i, length));
-      walk.diffraction(i).is_behind = walk.diffraction(i).begins_at_infinity = false;
+      auto& state = walk.diffraction(i);
+      if (is_kept || state.chain.is_linked()) {
+        state.chain.arrive(leg(walk, i, length), state.begins_at_infinity);
+        if (!is_kept) end_chain(walk, i);
+      } else {
+        const PathLeg segment = leg(walk, i, length);
+        if (!defers(walk, i) || !state.pending.add({&segment, 1}))
+          s.density.attenuate(factor(walk, i, length));
+      }
+      state.is_behind = state.begins_at_infinity = false;
       return;
     }
     const LightWay segment{s.segment.origin, s.segment.ray.d, length, walk.diffraction(i).end()};
@@ -79,19 +87,77 @@ public:
     }
   }
 
+  /// Whether light may keep its phase at the present vertex, which lies on a surface: that may be crossed, or is a
+  /// planar mirror.
+  template <class W>
+  bool may_continue_chain(W& walk, int i) const {
+    if constexpr (!W::kDiffracts) {
+      return false;
+    } else {
+      if (!scene_.outline_edges()) return false;
+      const auto& vertex = walk.vertex(i);
+      // Connections of `bdpt` have the factors of both subpaths up to their ends, which end chains.
+      if (kTwoWay<W> && vertex.is_smooth()) return false;
+      return vertex.is_passable() || (has(vertex.surface().lobes, Lobe::delta) && is_flat(vertex.point()));
+    }
+  }
+  /// The diffraction factor of the path's chain, which ends at the present vertex, and which the throughput does not
+  /// contain; 1 if there is none.
+  template <class W>
+  Spectrum chain_factor(W& walk, int i) const {
+    if constexpr (W::kDiffracts)
+      if (scene_.outline_edges()) {
+        SegmentChain& chain = walk.diffraction(i).chain;
+        if (!chain.is_empty() && !chain.is_linked()) return chain.factor(scene_, walk.wavelengths(i));
+      }
+    return 1.f;
+  }
+  /// Continues the chain behind the present vertex, which the path has crossed.
+  template <class W>
+  void cross_straight(W& walk, int i) const {
+    if constexpr (W::kDiffracts)
+      if (scene_.outline_edges() && !walk.diffraction(i).chain.is_empty())
+        walk.diffraction(i).chain.link_straight();
+  }
+  /// Continues the chain behind the present vertex, at which the path was scattered, if that is a planar mirror or
+  /// leaves the direction unchanged. Otherwise multiplies the throughput by the chain's factor.
+  template <class W, class Scatter>
+  void continue_chain(W& walk, int i, Event event, const Scatter& b) const {
+    if constexpr (W::kDiffracts) {
+      if (!scene_.outline_edges()) return;
+      SegmentChain& chain = walk.diffraction(i).chain;
+      if (chain.is_empty()) return;
+      const SurfacePoint& point = walk.vertex(i).point();
+      if (event == Event::surface && b.delta && b.eta == 1 && is_flat(point)) {
+        // Largest difference of two directions that is due to rounding.
+        constexpr float kRounding = 1e-5f;
+        const Vec3& d = walk.state(i).segment.ray.d;
+        const auto leaves_along = [&](const Vec3& e) {
+          return length_squared(b.d - e) < kRounding * kRounding;
+        };
+        if (leaves_along(d)) return chain.link_straight();
+        if (leaves_along(d - point.ng * (2 * dot(d, point.ng))) && chain.link_by_mirror(point.p, point.ng))
+          return;
+      }
+      end_chain(walk, i);
+    }
+  }
+
   /// The probability with which the present ray continues behind the obstacle that it has hit, into the shadow:
   /// above 0 where edges are near the ray.
   template <class W>
   float probability_behind(W& walk, int i) const {
     // Paths of `bdpt` end at obstacles: the MIS weights of their techniques would need the choice in both directions.
-    constexpr bool kTwoWay = requires(typename W::Density density) { density.earlier; };
-    if constexpr (!W::kDiffracts || kTwoWay) {
+    if constexpr (!W::kDiffracts || kTwoWay<W>) {
       return 0;
     } else {
       if (!scene_.outline_edges()) return 0;
       auto& s = walk.state(i);
+      const auto& state = walk.diffraction(i);
+      const SegmentChain* before = state.chain.is_linked() ? &state.chain : nullptr;
       return aureole::probability_behind(scene_, s.segment.origin, s.segment.ray.d,
-                                         walk.diffraction(i).begins_at_infinity, walk.wavelengths(i));
+                                         before ? before->begins_at_infinity() : state.begins_at_infinity,
+                                         walk.wavelengths(i), before);
     }
   }
   /// Whether it continues, which it does with that probability. Connections find light behind obstacles without this
@@ -108,24 +174,15 @@ public:
     }
     return goes_on;
   }
-  /// The diffraction factor of the present ray up to a distance, in scenes with the model "segments".
+  /// The diffraction factor of the present ray up to a distance, with that of the chain that it continues, in scenes
+  /// with the model "segments".
   template <class W>
   Spectrum factor(W& walk, int i, float length) const {
-    const auto& s = walk.state(i);
-    // A segment of light from infinity is evaluated in reverse, from the point at which it arrives.
-    const bool is_reversed = walk.diffraction(i).begins_at_infinity;
-    const Vec3 &o = s.segment.origin, &d = s.segment.ray.d;
-    return segment_diffraction(scene_, is_reversed ? o + d * length : o, is_reversed ? -d : d,
-                               is_reversed ? kInfinity : length, !walk.diffraction(i).is_behind,
-                               walk.wavelengths(i));
-  }
-
-  /// Stores the present segment, up to a distance, for `count_pending`. Returns false if there is no room.
-  template <class W>
-  bool defer(W& walk, int i, float length) const {
-    auto& s = walk.state(i);
-    return walk.diffraction(i).pending.add(
-        {s.segment.origin, s.segment.ray.d, length, !walk.diffraction(i).is_behind});
+    const auto& state = walk.diffraction(i);
+    SegmentChain chain;
+    if (state.chain.is_linked()) chain = state.chain;
+    chain.arrive(leg(walk, i, length), state.begins_at_infinity);
+    return chain.factor(scene_, walk.wavelengths(i));
   }
 
   /// Updates the path at a vertex at `p`. Returns false where the path ends, because `p` lies within the beam
@@ -237,6 +294,32 @@ public:
   }
 
 private:
+  /// Whether paths of `bdpt` are followed, of which the vertices are connected by several techniques.
+  template <class W>
+  static constexpr bool kTwoWay = requires(typename W::Density density) {
+    density.earlier;
+  };
+  /// Whether the diffraction factors of the path are deferred. Logs state throughputs that contain them.
+  template <class W>
+  static bool defers(W& walk, int i) {
+    return W::kDefersDiffraction && !walk.log().follows(i);
+  }
+  /// The present segment up to a distance.
+  template <class W>
+  static PathLeg leg(W& walk, int i, float length) {
+    const auto& segment = walk.state(i).segment;
+    return {segment.origin, segment.ray.d, length, !walk.diffraction(i).is_behind};
+  }
+  /// Ends the chain at the present vertex: the throughput contains its factor then, or the path defers it.
+  template <class W>
+  void end_chain(W& walk, int i) const {
+    auto& state = walk.diffraction(i);
+    if (state.chain.has_factor() || state.chain.begins_at_infinity() || !defers(walk, i) ||
+        !state.pending.add(state.chain.legs()))
+      walk.state(i).density.attenuate(state.chain.factor(scene_, walk.wavelengths(i)));
+    state.chain.clear();
+  }
+
   template <class W>
   static constexpr bool kIsTwoWayLight =
       std::is_same_v<typename W::Density, LightSubpathDensity<Unpolarised>>;

@@ -16,6 +16,7 @@
 #include "aureole/scene/edge/edge_block.h"
 #include "aureole/scene/edge/edge_screens.h"
 #include "aureole/transport/edge_rows.h"
+#include "aureole/transport/edge_unfolding.h"
 
 namespace aureole {
 
@@ -39,14 +40,40 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
   return is_visible(scene, test, w) && max_component(test.passage) >= TestSegment::kOpaque;
 }
 
+/// Whether the line across the plane of a mirror meets a mirror there. `normal`: the unit normal of that plane.
+bool meets_mirror(const Scene& scene, const Double3& from, const Double3& to, const Double3& normal) {
+  const Ray ray{from.to_float(), (to - from).to_float(), 1.f};
+  const RayTracer::Hit hit = scene.tracer().intersect(ray);
+  if (!hit || hit.is_lost()) return false;
+  const SurfacePoint point = scene.surface_point(hit, ray);
+  constexpr double kLeastCosine = 1 - 1e-6;
+  return has(point.surface->lobes, Lobe::delta) && std::abs(dot(Double3(point.ng), normal)) > kLeastCosine &&
+         is_flat(point);
+}
+
+/// Whether the line between two points of unfolded space, by way of the mirrors between their legs, is unoccluded.
+/// `leg_a` is at most `leg_b`; `b` is a direction if `is_infinite`.
+bool is_free(const Scene& scene, const UnfoldedPath& path, const Double3& a, std::size_t leg_a,
+             const Double3& b, std::size_t leg_b, bool is_infinite, const Wavelengths& w) {
+  return path.visit_pieces(
+      a, leg_a, b, leg_b, is_infinite,
+      [&](const Double3& from, const Double3& to, bool to_infinity) {
+        return is_free(scene, from.to_float(), to.to_float(), to_infinity, w);
+      },
+      [&](const Double3& from, const Double3& to, const Double3& normal) {
+        return meets_mirror(scene, from, to, normal);
+      });
+}
+
 /// The field u/u0 at the far end of a segment, as a sum over the parts of edges beside it.
 class SegmentField {
 public:
   /// `begin` and `end` are the endpoints, offset from their surfaces; `end` is a direction where the segment
-  /// is infinite.
+  /// is infinite. `path`: the path between mirrors whose unfolded segment it is, or null.
   SegmentField(const Scene& scene, const EdgeSegment& segment, const Vec3& begin, const Vec3& end,
-               bool is_open, const Wavelengths& w)
+               bool is_open, const Wavelengths& w, const UnfoldedPath* path = nullptr)
       : scene_(scene),
+        path_(path),
         edges_(*scene.outline_edges()),
         segment_(segment),
         begin_(begin),
@@ -64,7 +91,7 @@ public:
   /// Returns |u/u0|^2 at each wavelength.
   Spectrum factor() {
     std::vector<EdgeBeside>& beside = beside_edges();
-    edges_.visit(segment_, is_open_, shortest_, longest_, rims(), [&](const EdgePassage& passage) {
+    visit_edges([&](const EdgePassage& passage) {
       // An edge that is no outline for light diffracted by it alone may be one for light that another edge
       // also diffracts.
       EdgeBeside edge{passage, {}, true};
@@ -145,10 +172,38 @@ private:
     return all;
   }
 
-  bool sees(const Double3& p, bool is_begin) const {
-    return is_free(scene_, p.to_float(), is_begin ? begin_ : end_, !is_begin && segment_.is_infinite(), w_);
+  /// Calls visit(passage) for the edges beside the segment or, between mirrors, beside each leg of the path.
+  template <class Visit>
+  void visit_edges(const Visit& visit) const {
+    std::deque<MeshEdge>& all = rims();
+    if (!path_) return edges_.visit(segment_, is_open_, shortest_, longest_, all, visit);
+    for (std::size_t leg = 0; leg < path_->size(); ++leg) {
+      std::deque<MeshEdge> rims_of_leg;
+      edges_.visit(path_->seen_from(leg), is_open_, shortest_, longest_, rims_of_leg,
+                   [&](const EdgePassage& passage) {
+                     MeshEdge edge;
+                     EdgePassage unfolded;
+                     if (!path_->unfold(passage, leg, edge, unfolded)) return;
+                     unfolded.edge = &all.emplace_back(edge);
+                     visit(edges_.part(unfolded, segment_, unfolded.begin, unfolded.end, false, false));
+                   });
+    }
   }
-  bool sees(const EdgeSide& side, bool is_begin) const { return sees(side.beside, is_begin); }
+
+  /// Whether a point beside an edge, on a leg of the path, is visible from an end of the segment.
+  bool sees(const Double3& p, std::size_t leg, bool is_begin) const {
+    const bool is_infinite = !is_begin && segment_.is_infinite();
+    if (!path_) return is_free(scene_, p.to_float(), is_begin ? begin_ : end_, is_infinite, w_);
+    if (is_begin) return is_free(scene_, *path_, Double3(begin_), 0, p, leg, false, w_);
+    return is_free(scene_, *path_, p, leg, Double3(end_), path_->size() - 1, is_infinite, w_);
+  }
+  bool sees(const EdgeSide& side, bool is_begin) const { return sees(side.beside, side.leg, is_begin); }
+  /// Whether two points beside edges, on legs of the path, are visible from each other.
+  bool is_free_between(const Double3& a, std::size_t leg_a, const Double3& b, std::size_t leg_b) const {
+    if (!path_) return is_free(scene_, a.to_float(), b.to_float(), false, w_);
+    return leg_a <= leg_b ? is_free(scene_, *path_, a, leg_a, b, leg_b, false, w_)
+                          : is_free(scene_, *path_, b, leg_b, a, leg_a, false, w_);
+  }
 
   void add_parts(std::size_t index, const EdgeBeside& edge, std::vector<EdgePart>& parts) {
     cuts_.clear();
@@ -212,7 +267,7 @@ private:
         edges_, segment_, candidates,
         [&](const EdgeSide& side, bool is_begin) { return sees(side, is_begin); },
         [&](const EdgeSide& a, const EdgeSide& b) {
-          return is_free(scene_, a.beside.to_float(), b.beside.to_float(), false, w_);
+          return is_free_between(a.beside, a.leg, b.beside, b.leg);
         });
     std::size_t count = 0;
     edge_rows.for_each(is_dark, [&](const std::size_t* row, std::size_t length_of_row) {
@@ -240,8 +295,8 @@ private:
   bool pass_screens(const EdgePart& part, bool is_begin, Passing& passing) const {
     const bool is_seen = is_begin ? part.seen_from_begin : part.seen_from_end;
     const auto is_open = [&](const EdgeScreens::Screen& s) {
-      return is_free(scene_, part.side.beside.to_float(), s.beside.to_float(), false, w_) &&
-             sees(s.beside, is_begin);
+      const std::size_t leg = beside_[s.edge].passage.edge->leg;
+      return is_free_between(part.side.beside, part.side.leg, s.beside, leg) && sees(s.beside, leg, is_begin);
     };
     bool arrives = is_seen;
     Field sum{};
@@ -390,6 +445,7 @@ private:
   }
 
   const Scene& scene_;
+  const UnfoldedPath* path_;
   const OutlineEdges& edges_;
   const EdgeSegment& segment_;
   const Vec3 &begin_, &end_;
@@ -437,30 +493,76 @@ Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3&
   return SegmentField(scene, segment, begin, end, is_open, w).factor();
 }
 
+Spectrum chain_diffraction(const Scene& scene, std::span<const PathLeg> legs, bool begins_at_infinity,
+                           const Wavelengths& w) {
+  if (legs.size() == 1) {
+    const PathLeg& leg = legs[0];
+    // A segment of light from infinity is evaluated in reverse, from the point at which it arrives.
+    return begins_at_infinity ? segment_diffraction(scene, leg.origin + leg.d * leg.length, -leg.d, kInfinity,
+                                                    leg.is_open, w)
+                              : segment_diffraction(scene, leg.origin, leg.d, leg.length, leg.is_open, w);
+  }
+  const UnfoldedPath path(legs, begins_at_infinity);
+  const EdgeSegment& segment = path.segment();
+  const bool infinite = segment.is_infinite();
+  const Vec3 begin = (segment.from + segment.d * (1e-5 * (infinite ? 1 : segment.length))).to_float();
+  const Vec3 end = infinite ? segment.d.to_float() : (segment.from + segment.d * segment.length).to_float();
+  return SegmentField(scene, segment, begin, end, path.is_open(), w, &path).factor();
+}
+
 float probability_behind(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
-                         const Wavelengths& w) {
+                         const Wavelengths& w, const SegmentChain* before) {
   // Upper bound of |v|: less than 1e-3 of the light is diffracted farther into a shadow than 20.
   constexpr double kMost = 20, kHalf = 4;
   const OutlineEdges& edges = *scene.outline_edges();
+  const double wavelength = edges.wavelength(max_component(w.nm));
   EdgeSegment ray{Double3(origin), normalize(Double3(d)), double(kInfinity)};
-  if (from_infinity) {
-    // Detours depend on the distance at which the light arrives, which is at most at the far side of the
-    // scene.
-    ray.from = ray.from + ray.d * (2.0 * double(length(scene.tracer().bounds().diagonal())));
-    ray.d = -ray.d;
+  Vec3 begin = origin;
+  // Detours depend on the distance at which light from infinity arrives, which is at most at the far side of the
+  // scene.
+  const auto far = [&] { return 2 * length(scene.tracer().bounds().diagonal()); };
+  double v = double(kInfinity);
+  SegmentChain chain;
+  if (before) {
+    chain = *before;
+    chain.arrive({origin, d, from_infinity ? far() : kInfinity, true}, from_infinity);
   }
-  const auto is_lit = [&](const Double3& beside) {
-    const Vec3 p = beside.to_float();
-    return is_free(scene, p, from_infinity ? ray.d.to_float() : origin + d * (1e-5f * length(p - origin)),
-                   from_infinity, w);
-  };
-  const double v =
-      edges.smallest_parameter(kMost, ray, edges.wavelength(max_component(w.nm)), std::cref(is_lit));
+  if (chain.legs().size() > 1) {
+    const UnfoldedPath path(chain.legs(), from_infinity);
+    const EdgeSegment& whole = path.segment();
+    const std::size_t last = path.size() - 1, leg = from_infinity ? 0 : last;
+    const auto is_lit = [&](const Double3& beside) {
+      // Light that an edge beside another leg has diffracted comes from about the mirror.
+      if (!path.is_open()) {
+        const Vec3 p = beside.to_float();
+        return is_free(scene, p, origin + d * (1e-5f * length(p - origin)), false, w);
+      }
+      const Double3 p = path.unfold_point(beside, leg);
+      if (from_infinity) return is_free(scene, path, p, leg, whole.d, last, true, w);
+      return is_free(scene, path, whole.from + whole.d * (1e-5 * length(p - whole.from)), 0, p, leg, false,
+                     w);
+    };
+    v = edges.smallest_parameter(kMost, path.seen_from(leg), wavelength, std::cref(is_lit));
+  } else {
+    if (before) begin = chain.legs()[0].origin;
+    ray.from = Double3(begin);
+    if (from_infinity) {
+      ray.from = ray.from + ray.d * double(far());
+      ray.d = -ray.d;
+    }
+    const auto is_lit = [&](const Double3& beside) {
+      const Vec3 p = beside.to_float();
+      return is_free(scene, p, from_infinity ? ray.d.to_float() : begin + d * (1e-5f * length(p - begin)),
+                     from_infinity, w);
+    };
+    v = edges.smallest_parameter(kMost, ray, wavelength, std::cref(is_lit));
+  }
   // The power in the shadow falls with v^-2. A power map shows it in dB, so that the probability falls with v^-1.
   return v <= kMost ? float(0.5 / (1 + v / kHalf)) : 0.f;
 }
 
-bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const Wavelengths& w) {
+bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const Wavelengths& w,
+                         const SegmentChain* before) {
   EdgeSegment segment{Double3(c.origin), normalize(Double3(c.d)), kInfinity};
   if (!c.infinite) {
     const Double3 along = Double3(c.target) - segment.from;
@@ -473,7 +575,14 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
   const Spectrum passed = is_open ? c.passage : Spectrum(0.f);
   const bool is_blocked = max_component(passed - c.clear_passage * TestSegment::kOpaque) < 0;
   const Vec3& end = c.infinite ? c.d : c.target;
-  const Spectrum u2 = SegmentField(scene, segment, begin, end, !is_blocked, w).factor();
+  Spectrum u2;
+  if (before) {
+    SegmentChain chain = *before;
+    chain.arrive({c.origin, c.d, c.distance(), !is_blocked}, false);
+    u2 = chain_diffraction(scene, chain.legs(), chain.begins_at_infinity(), w);
+  } else {
+    u2 = SegmentField(scene, segment, begin, end, !is_blocked, w).factor();
+  }
   if (!is_blocked) {
     c.passage *= u2;
     return true;

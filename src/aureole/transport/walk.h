@@ -110,7 +110,7 @@ public:
   void emerge(PathList& vertices) requires(Kind::kEmerges);
   void end_connection(int i, int k, Connection& c, bool open) {
     if constexpr (kDiffracts)
-      if (open) c.passage *= edges_.count_pending(self(), i);
+      if (open) c.passage *= edges_.count_pending(self(), i) * edges_.chain_factor(self(), i);
     if constexpr (kAny)
       if (k == 0) states_[i].is_connected = open;
     self().connected(i, k, c, open);
@@ -284,7 +284,10 @@ private:
   /// Adds the radiance of a light that the ray has reached.
   void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     if constexpr (kDiffracts)
-      if (!is_black(radiance)) edges_.count_pending(self(), i);
+      if (!is_black(radiance)) {
+        edges_.count_pending(self(), i);
+        return self().emission(i, light, point, radiance * edges_.chain_factor(self(), i));
+      }
     self().emission(i, light, point, radiance);
   }
   Event sample_medium(int i, float t_max);
@@ -296,6 +299,7 @@ private:
     const State& s = states_[i];
     float throughput = s.density.hero_symmetric_throughput();
     if constexpr (kAny) throughput /= s.first_throughput;
+    throughput *= edges_.chain_factor(self(), i)[0];
     log_({.kind = kind,
           .depth = s.depth + !kFromSensor,
           .p = p,
@@ -370,7 +374,8 @@ template <class Self, class Kind>
       }
     }
   if constexpr (kAny)
-    if (!is_hidden && ends_segment(vertex)) edges_.attenuate(self(), i, s.segment.behind);
+    if (!is_hidden && ends_segment(vertex))
+      edges_.attenuate(self(), i, s.segment.behind, edges_.may_continue_chain(self(), i));
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::surface, vertex.p(), &vertex.point());
   if constexpr (kFromSensor) {
     if (const Light* light = vertex.light()) {
@@ -486,6 +491,7 @@ template <class Self, class Kind>
     }
     s.density.attenuate(b.transmittance);
     if (kAny && to_edge > 0) s.density.survive(1 - to_edge);
+    if (ends_segment(vertex)) edges_.cross_straight(self(), i);
     go_on(i, vertex, b.d, ends_segment(vertex));
     return true;
   }
@@ -500,6 +506,7 @@ template <class Self, class Kind>
     s.emission_counted = false;
     edges_.scatter(self(), i, b.delta);
     self().extend(i, b);
+    edges_.continue_chain(self(), i, event, b);
     // The choice between an edge and a BSDF direction is in no MIS weight, like Russian roulette.
     if (to_edge > 0) s.density.survive(1 - to_edge);
   } else {

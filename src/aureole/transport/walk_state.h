@@ -38,6 +38,7 @@ struct WalkStateInEmptySpace {};
 /// State of diffraction of a path in `Space::any`, which lies apart from what every step uses.
 struct WalkDiffraction : DiffractionState {
   PendingSegments pending;
+  SegmentChain chain;
 };
 
 template <Space kSpace, class Density>

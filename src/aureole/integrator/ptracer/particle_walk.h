@@ -122,7 +122,9 @@ private:
       c.far = s.density.beta;
       if (scene_.has_media()) c.begin_in(start(), key(p.samples, s.vertex, Stream::connection));
       c.weigh(scene_.has_media(), s.density.r_u, 0.f, p.wavelengths);
-      const bool open = arrives(scene_, c, p.wavelengths, connection_key(i));
+      const SegmentChain& chain = this->diffraction(i).chain;
+      const bool open =
+          arrives(scene_, c, p.wavelengths, connection_key(i), chain.is_linked() ? &chain : nullptr);
       if (open) splat(i, crossing.film, c.estimate());
       if (log_.follows(i)) this->log_sensor(c, crossing.film, open);
     });

@@ -61,7 +61,8 @@ EdgeScreens::EdgeScreens(const OutlineEdges& edges, const EdgeSegment& segment,
                       dot(e.passage.p, segment.d), line.in_fresnel_plane(e.passage.begin, x_, y_),
                       line.in_fresnel_plane(e.passage.end, x_, y_), edges.sheet_of(*e.passage.edge), 0});
     Line& added = lines_.back();
-    if (added.sheet == OutlineEdges::kNoSheet) added.sheet = std::uint32_t(lines_.size()) | kAlone;
+    const bool is_alone = added.sheet == OutlineEdges::kNoSheet;
+    added.sheet = is_alone ? lines_.size() | kAlone : added.sheet << 8 | e.passage.edge->leg;
     added.sector = sector_of(added.across);
     order_.push_back(std::uint32_t(order_.size()));
     largest_offset_ = std::max(largest_offset_, e.side.offset);

@@ -71,7 +71,7 @@ private:
     Double3 across;                 ///< unit vector of its open side, perpendicular to the segment
     double depth;                   ///< of the passage's point, along the segment
     optics::PlanePoint begin, end;  ///< of the passage, in the Fresnel plane of a unit wavelength
-    std::uint32_t sheet;            ///< OutlineEdges::sheet_of, or one of its own
+    std::uint64_t sheet;            ///< OutlineEdges::sheet_of and leg, or a number of its own
     std::uint32_t sector;           ///< of the azimuth of `across`, of kSectors about the segment
   };
   /// A node of a tree of the lines. Points are relative to the segment's begin.
@@ -85,7 +85,7 @@ private:
   static constexpr std::size_t kDepth = 64;  ///< limit of the depth of the tree
   static constexpr std::uint32_t kSectors = 32;
   /// Numbers of sheets: of nodes with several sheets, and bit of edges that bound no sheet.
-  static constexpr std::uint32_t kMixed = 0xffffffff, kAlone = 0x80000000;
+  static constexpr std::uint64_t kMixed = ~std::uint64_t(0), kAlone = std::uint64_t(1) << 63;
   static constexpr std::uint32_t kLanes = optics::kLanes;
   using LaneVector = std::array<optics::Lanes, 3>;
   /// Lines that are tested together. Unused lanes repeat the last line.
@@ -96,7 +96,7 @@ private:
     std::array<std::uint32_t, kLanes> lines;
     std::uint32_t count = 0;    ///< of different lines
     std::uint32_t sectors = 0;  ///< bits of the sectors of azimuth that contain an `across`
-    std::uint32_t sheet = 0;    ///< of all lines, or kMixed
+    std::uint64_t sheet = 0;    ///< of all lines, or kMixed
 
     void set(std::uint32_t lane, const Line& line);
   };

@@ -491,7 +491,7 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   if (!is_outline && !(falling > 0.5 && std::min(std::abs(side0), std::abs(side1)) < 0.2)) return false;
   if ((std::abs(side0) >= std::abs(side1) ? side0 : side1) > 0) normal = -normal;
   const double rounding = rounding_of(edge, segment, passage.p);
-  side.normal = normal;
+  side.normal = normal, side.leg = edge.leg;
   side.offset = offset(edge, rounding);
   side.beside = segment.from + passage.p + normal * side.offset;
   const double height = dot(segment.d * dot(passage.p, segment.d) - passage.p, normal);

@@ -63,6 +63,8 @@ struct EdgeSide {
   double offset;      ///< distance of `beside` from the edge
   bool is_open;       ///< whether the segment passes on the open side
   bool is_at_border;  ///< it passes so near to the edge that only a visibility test decides
+  /// `MeshEdge::leg` of the edge
+  std::uint8_t leg = 0;
 
   /// Returns whether the segment is taken to pass on the open side, given whether it is unoccluded.
   bool takes_open(bool is_free) const { return is_at_border ? is_free : is_open; }
@@ -172,7 +174,7 @@ public:
   /// Whether both edges bound one flat sheet, so that neither occludes a part of the other.
   bool are_of_one_sheet(const MeshEdge& a, const MeshEdge& b) const {
     const std::uint32_t sheet = sheet_[a.face0.set];
-    return sheet != kNoSheet && sheet == sheet_[b.face0.set];
+    return sheet != kNoSheet && sheet == sheet_[b.face0.set] && a.leg == b.leg;
   }
 
   /// Returns the part of a passage between two distances from the edge's begin. `begins_at_cut` and
