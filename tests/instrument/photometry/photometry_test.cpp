@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <fstream>
 
@@ -294,6 +295,33 @@ TEST(Photometry, OpenGroundUnderSkyAndSun) {
   EXPECT_NEAR(open(sun, {0, 1, 0}), 30000, 30);
   EXPECT_NEAR(open(sky + sun, {0, 1, 0}), 42000, 42);
   EXPECT_EQ(open("", {0, 1, 0}), 0);
+}
+
+/// A receiver in the open, which faces +y, and rays that find the sun in the lights.
+TEST(Photometry, OpenGroundUnderASmallSunIsThatOfATracedReceiver) {
+  const TemporaryFolder folder;
+  // A sun of 2 x 2 texels, 0.7 degrees, which fixed directions of a hemisphere would miss or count too much.
+  Image map{1024, 512, {"R", "G", "B"}, std::vector<float>(3 * 1024 * 512, 1.f), false};
+  for (const auto& [x, y] : {std::pair(300, 100), {301, 100}, {300, 101}, {301, 101}})
+    for (int c = 0; c < 3; ++c) map.pixels[std::size_t(3 * (y * 1024 + x) + c)] = 20000;
+  write_pfm(folder.path / "sun.pfm", map);
+  const std::string receiver =
+      "<scene version='3.0.0'><integrator type='path'/><sensor type='powermap'><string name='measure' value='irradiance'/>"
+      "<transform name='to_world'><rotate x='1' angle='-90'/></transform><film type='hdrfilm'><integer name='width' value='1'/>"
+      "<integer name='height' value='1'/><string name='quantity' value='illuminance'/><rfilter type='box'/></film>"
+      "<sampler type='sobol'><integer name='sample_count' value='131072'/></sampler></sensor>"
+      "<shape type='sphere'><point name='center' x='0' y='-30' z='0'/><bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf></shape>";
+  for (const std::string emitter :
+       {"<emitter type='envmap'><string name='filename' value='sun.pfm'/></emitter>",
+        "<emitter type='sunsky'/>"}) {
+    folder.write("open.xml", receiver + emitter + "</scene>");
+    const LoadedScene loaded = load_scene(folder.path / "open.xml");
+    RenderJob job(loaded, {});
+    job.run(std::atomic<bool>(false));
+    const Image picture = job.state().picture();
+    const double traced = double(picture.at(0, 0, std::size_t(picture.channel("Y"))));
+    EXPECT_NEAR(open_illuminance(*loaded.scene, {0, 1, 0}), traced, 3e-3 * traced) << emitter;
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
@@ -247,12 +248,40 @@ PictureGlare picture_glare(const PhotometricMap& map, const PlacedSensor& camera
   return glare;
 }
 
+namespace {
+
+/// The irradiance of a plane with the normal `up` by a light at infinity. Half of the directions are sampled by the light, which
+/// finds the sun in a sky or in a picture of one, the others by the cosine; the balance heuristic combines them
+/// (E. Veach and L. J. Guibas, Optimally combining sampling techniques for Monte Carlo rendering, 1995).
+Spectrum irradiance_from_infinity(const Light& light, const Vec3& up, const Wavelengths& w) {
+  if (light.is_delta()) {
+    const auto s = light.sample_direct(light.scene_center, 0, {0.5f, 0.5f}, w);
+    return s ? s->radiance * std::max(0.f, dot(s->wo, up)) : Spectrum(0.f);
+  }
+  constexpr int kSide = 192;
+  const Frame frame = Frame::from_normal(up);
+  std::array<double, kWavelengths> sum{};
+  const auto add = [&](const Vec3& d, const Spectrum& radiance) {
+    const float cosine = dot(d, up);
+    if (!(cosine > 0)) return;
+    const double pdf = double(light.pdf_direct_escaped(light.scene_center, up, d)) + double(cosine) / M_PI;
+    for (int k = 0; k < kWavelengths; ++k) sum[std::size_t(k)] += double(radiance[k]) * double(cosine) / pdf;
+  };
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vec2 u{(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide};
+    if (const auto s = light.sample_direct_facing(light.scene_center, up, 0, u, w)) add(s->wo, s->radiance);
+    const Vec3 d = normalize(frame.to_world(square_to_cosine_hemisphere(u)));
+    add(d, light.eval_escaped(d, w));
+  }
+  return make_spectrum([&](int k) { return float(sum[std::size_t(k)] / (kSide * kSide)); });
+}
+
+}  // namespace
+
 double open_illuminance(const Scene& scene, const Vec3& up) {
   const SpectralGrid& grid = scene.wavelengths().grid();
   const SampledSpectrum weight = photopic_efficacy(grid);
-  constexpr int kRings = 96, kSpokes = 96;
   double total = 0;
-  const Frame frame = Frame::from_normal(up);
   const int nodes = grid.cells + 1;
   for (const Light& light : scene.emitters()) {
     if (!light.is_infinite()) continue;
@@ -260,22 +289,12 @@ double open_illuminance(const Scene& scene, const Vec3& up) {
       const auto node = [&](int k) { return std::min(first + k, nodes - 1); };
       const Wavelengths w =
           Wavelengths::at(grid, make_spectrum([&](int k) { return float(grid.node(node(k))); }));
-      Spectrum sum = 0.f;
-      if (light.is_delta()) {
-        if (const auto s = light.sample_direct(light.scene_center, 0, {0.5f, 0.5f}, w))
-          sum = s->radiance * (std::max(0.f, dot(s->wo, up)) * kRings * kSpokes / kPi);
-      } else {
-        // Directions of a quadrature with the density cos/pi.
-        for (int i = 0; i < kRings * kSpokes; ++i) {
-          const Vec2 u{(float(i % kRings) + 0.5f) / kRings, (float(i / kRings) + 0.5f) / kSpokes};
-          sum += light.eval_escaped(normalize(frame.to_world(square_to_cosine_hemisphere(u))), w);
-        }
-      }
+      const Spectrum irradiance = irradiance_from_infinity(light, up, w);
       const double step = (grid.max_nm - grid.min_nm) / grid.cells;
       for (int k = 0; k < kWavelengths && first + k < nodes; ++k) {
         const bool is_end = first + k == 0 || first + k == nodes - 1;
-        total += double(sum[k]) * M_PI / (kRings * kSpokes) * double(weight.nodes()[std::size_t(first + k)]) *
-                 step * (is_end ? 0.5 : 1);
+        total += double(irradiance[k]) * double(weight.nodes()[std::size_t(first + k)]) * step *
+                 (is_end ? 0.5 : 1);
       }
     }
   }
