@@ -132,15 +132,17 @@ nb::dict luminaire_dict(const Luminaire& l) {
 }
 
 /// Options that replace what a file states: flux, flux of the lamps [lm] and power [W], opening [m], keywords.
-GoniometryOptions file_changes(const std::array<double, 3>& fluxes, const std::array<double, 3>& opening,
+GoniometryOptions file_changes(const std::array<double, 3>& fluxes,
+                               const std::optional<std::array<double, 3>>& opening,
                                const NamedValues& keywords) {
   for (const double v : fluxes)
     if (!(v >= 0 && std::isfinite(v))) throw Error("fluxes: expected numbers that are not negative");
-  for (const double v : opening)
+  for (const double v : opening.value_or(std::array<double, 3>{}))
     if (!(v >= 0 && v < 1e4)) throw Error("opening: expected sizes in m");
   GoniometryOptions how;
   how.flux = fluxes[0], how.lamp_flux = fluxes[1], how.watts = fluxes[2];
-  how.opening.size_m = opening, how.keywords = keywords;
+  if (opening) how.opening = LuminousOpening{.size_m = *opening};
+  how.keywords = keywords;
   return how;
 }
 
@@ -331,7 +333,7 @@ void bind_luminaires(nb::module_& m) {
       "measured_luminaire",
       [](const Picture& picture, const std::string& file, const std::string& name, const std::string& maker,
          std::int64_t spp, const std::string& symmetry, const std::array<double, 3>& fluxes,
-         const std::array<double, 3>& opening) {
+         const std::optional<std::array<double, 3>>& opening) {
         if (picture.image.height < 2 || picture.image.channel_count() != 1)
           throw Error("picture: expected one intensity for each direction");
         GoniophotometerSettings settings;
@@ -341,11 +343,11 @@ void bind_luminaires(nb::module_& m) {
         return luminaire_dict(measured_luminaire(picture.image, how));
       },
       nb::arg("picture"), nb::arg("file"), nb::arg("name"), nb::arg("maker"), nb::arg("spp"),
-      nb::arg("symmetry"), nb::arg("fluxes"), nb::arg("opening"));
+      nb::arg("symmetry"), nb::arg("fluxes"), nb::arg("opening").none());
   m.def(
       "luminaire_of_file",
       [](const std::filesystem::path& file, std::size_t lamp_set, const std::array<double, 3>& fluxes,
-         const std::array<double, 3>& opening, const NamedValues& keywords) {
+         const std::optional<std::array<double, 3>>& opening, const NamedValues& keywords) {
         std::optional<Luminaire> l;
         {
           const Unlocked release;
@@ -353,7 +355,9 @@ void bind_luminaires(nb::module_& m) {
         }
         return luminaire_dict(*l);
       },
-      nb::arg("file"), nb::arg("lamp_set"), nb::arg("fluxes"), nb::arg("opening"), nb::arg("keywords"));
+      nb::arg("file"), nb::arg("lamp_set"), nb::arg("fluxes"), nb::arg("opening").none(),
+      nb::arg("keywords"));
+  m.def("require_ugr_spacing", &require_ugr_spacing, nb::arg("spacing"));
   m.def(
       "ugr_table",
       [](const std::string& text, const std::filesystem::path& name, double spacing, bool has_patches) {

@@ -445,7 +445,7 @@ EXAMPLES = {
     "aureole.expose": [["camera_scene()", "1", "exposure=0.01", "progress=False"], ["camera_scene()", "1", "exposure=0.01", "frames=2", "camera={'gain': 0.5}", "progress=False"]],
     "aureole.lightfield": [["field_scene()", "1", "progress=False"]], "_aureole.lens_figures": [["text_file(LENS, 'lens')", "None", "np.inf", "[0.0, 5.0]", "[550.0]", "4"]],
     "_aureole.load_goniophotometer": [["str(text_file(LAMP_SCENE))", "[]", "''", "1", "(90.0, 45.0)", "(0, 0, -1)", "[]"]], "_aureole.luminaire_of_file": [["text_file(torn_text(LAMP, R), 'ies')", "0", "(0, 0, 0)", "(0, 0, 0)", "[]"], ["text_file(LAMP, 'ies')", "0", "(0, 500, 0)", "(1, 1, 0)", "[('a', 'b')]"]],
-    "_aureole.ugr_table": [["torn_text(LAMP.replace('2 0 0 0', '2 1 1 0'), R)", "'a.ies'", "1.0", "False"]],
+    "_aureole.require_ugr_spacing": [["1.0"]], "_aureole.ugr_table": [["torn_text(LAMP.replace('2 0 0 0', '2 1 1 0'), R)", "'a.ies'", "1.0", "False"]],
     "aureole.ugr": [["text_file(LAMP, 'ies')", "spacing=1", "opening=(1, 1, 0)"], ["aureole.goniophotometer(text_file(LAMP, 'ies'), opening=(1, 1, 0))", "spacing=1"]],
     "_aureole.measured_luminaire": [["aureole.Image(np.ones((3, 4)))._picture", "'a.xml'", "''", "''", "1", "'none'", "(0, 0, 0)", "(0, 0, 0)"]],
     "_aureole.load_illumination": [["str(text_file(OFFICE))", "[]", "True"]], "_aureole.illumination_means": [["[rendered()._picture]", "'a'", "[]"], ["[rendered()._picture]", "'a'", "[[0, 0, 2, 2]]"]],
