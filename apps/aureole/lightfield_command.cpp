@@ -38,7 +38,7 @@ LightField field_of_scene(const LightFieldArguments& a, std::string& meanings) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
   const Film& film = loaded.scene->film();
   LightField f;
-  f.axes = light_field_axes(loaded.scene->sensor().properties(), film.width(), film.height());
+  f.axes = light_field_axes(loaded.scene->sensor().properties(), film);
   RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
   run_to_end(job);
   f.mosaic = job.state().picture();

@@ -62,10 +62,11 @@ MapOfScene map_of_picture(const PhotometryArguments& a) {
   if (a.scene.empty()) return result;
   LoadOptions load = load_options(a.defines);
   result.scene = load_scene(a.scene, load).scene;
-  const Film& film = result.scene->film();
-  if (film.width() != picture.width || film.height() != picture.height)
-    throw Error(fmt::format("--scene {}: its film has {} x {} pixels, the picture {} x {}", a.scene,
-                            film.width(), film.height(), picture.width, picture.height));
+  try {
+    place_on_film(result.scene->film(), picture.width, picture.height);
+  } catch (const Error& e) {
+    throw Error("--scene " + a.scene + ": " + e.message());
+  }
   return result;
 }
 

@@ -147,6 +147,9 @@ def ugr(
         raise Error(f'background: expected "uniform" or "patches", got {background!r}')
     with Words():
         _aureole.require_ugr_spacing(distance)
+    for argument in ("watts", "name", "maker"):
+        if argument in luminaire:
+            raise Error(f"{argument}: is for the file of a luminaire, which goniophotometer makes")
     if isinstance(target, LuminaireData):
         if luminaire:
             raise Error(f"{next(iter(luminaire))}: is for a file or a scene; the target has been measured or read")

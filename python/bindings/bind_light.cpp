@@ -223,8 +223,11 @@ void bind_photometry(nb::module_& m) {
          const std::shared_ptr<OpenScene>& scene, const std::array<double, 3>& up, double threshold) {
         const auto built = scene->scene();
         const PhotometricMap map = map_of_array(values, quantity, unit);
-        if (map.width != built->film().width() || map.height != built->film().height())
-          throw Error("scene: its film has another size than the picture");
+        try {
+          place_on_film(built->film(), map.width, map.height);
+        } catch (const Error& e) {
+          throw Error("scene: " + e.message());
+        }
         const PictureGlare g = picture_glare(map, built->sensor(), up_of(up), threshold);
         nb::dict d;
         d["threshold"] = g.threshold, d["background"] = g.background, d["solid_angle"] = g.solid_angle;
@@ -385,6 +388,7 @@ void bind_luminaires(nb::module_& m) {
           notes = lens.notes;
           SignalCheck signals;
           figures = measure_lens(lens, {f_number, object, fields, wavelengths, rays, [&] { signals(); }});
+          notes.insert(notes.end(), figures.notes.begin(), figures.notes.end());
         }
         return lens_dict(figures, notes);
       },
@@ -395,17 +399,16 @@ void bind_luminaires(nb::module_& m) {
 void bind_light_field(nb::module_& m) {
   m.def(
       "light_field_axes",
-      [](const std::shared_ptr<OpenScene>& scene, const Picture& picture) {
+      [](const std::shared_ptr<OpenScene>& scene) {
         const auto built = scene->scene();
-        return light_field_axes(built->sensor().properties(), picture.image.width, picture.image.height)
-            .text();
+        return light_field_axes(built->sensor().properties(), built->film()).text();
       },
-      nb::arg("scene"), nb::arg("picture"));
+      nb::arg("scene"));
   m.def(
       "require_light_field",
       [](const std::shared_ptr<OpenScene>& scene) {
         const auto built = scene->scene();
-        light_field_axes(built->sensor().properties(), built->film().width(), built->film().height());
+        light_field_axes(built->sensor().properties(), built->film());
       },
       nb::arg("scene"));
   m.def(

@@ -222,6 +222,8 @@ TEST_F(PhotometryCommand, ValuesThatEqualADefaultAreStated) {
   refused({"goniophotometer", "panel.ies", "--watts", "0", "-o", "x.ies"}, "--watts 0: must be positive");
   refused({"goniophotometer", "panel.ies", "--lamp-set", "-1", "-o", "x.ies"},
           "--lamp-set -1: expected the number");
+  refused({"goniophotometer", "panel.ies", "--lamp-set", "1", "-o", "x.ies"},
+          "panel.ies is a file of LM-63, which has one set");
   refused({"goniophotometer", "dark.xml", "--c-step", "0", "-o", "x.ies"},
           "--c-step 0: must divide 360 degrees");
   refused({"goniophotometer", "dark.xml", "--gamma-step", "0", "-o", "x.ies"},
@@ -303,6 +305,34 @@ TEST_F(PhotometryCommand, AnInterruptedTableKeepsTheMeasuredLuminaire) {
   EXPECT_EQ(read_luminaire(folder.path / "panel_measured.ies").distribution.flux(),
             read_luminaire(folder.path / "kept.ies").distribution.flux());
   EXPECT_NEAR(read_luminaire(folder.path / "kept.ies").opening.size_m[0], 0.6, 1e-9);
+}
+
+TEST_F(PhotometryCommand, ACropIsAPartOfTheFilm) {
+  const std::string film =
+      "<film type='hdrfilm'><integer name='width' value='32'/><integer name='height' value='32'/>"
+      "<integer name='crop_width' value='16'/><integer name='crop_offset_x' value='8'/>"
+      "<string name='quantity' value='luminance'/><rfilter type='box'/></film>";
+  const std::string rest =
+      "<sampler type='sobol'><integer name='sample_count' value='4'/></sampler></sensor>"
+      "<emitter type='constant'><string name='amount' value='50 cd/m^2'/></emitter></scene>";
+  folder.write("part.xml", "<scene version='3.0.0'><sensor type='perspective'>" + film + rest);
+  ASSERT_EQ(run({"photometry", "part.xml", "-o", "a.png", "-q"}), 0) << output;
+  // The scene of a cropped picture is the one that was rendered.
+  EXPECT_EQ(
+      run({"photometry", "a.exr", "--scene", "part.xml", "--glare", "--up", "0,1,0", "-o", "b.png", "-q"}), 0)
+      << output;
+  std::string other = "<scene version='3.0.0'><sensor type='perspective'>" + film + rest;
+  other.replace(other.find("'16'"), 4, "'12'");
+  folder.write("other.xml", other);
+  refused({"photometry", "a.exr", "--scene", "other.xml", "--glare", "-o", "x.png"},
+          "--scene other.xml: a picture of 16 x 32 pixels is not that of the film, which has 12 x 32");
+  // A part of a light field lacks views.
+  folder.write("field.xml",
+               "<scene version='3.0.0'><sensor type='lightfield'><integer name='views_x' value='4'/>"
+               "<float name='aperture_width' value='0.1'/><float name='plane_distance' value='1'/>"
+               "<float name='field_width' value='1'/>" +
+                   film + rest);
+  refused({"lightfield", "field.xml", "-o", "x.png"}, "the film has a crop; a light field is the whole film");
 }
 
 TEST_F(PhotometryCommand, BadInputWritesNothing) {

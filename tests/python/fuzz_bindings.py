@@ -453,7 +453,7 @@ EXAMPLES = {
     "_aureole.cell_areas": [["scene()._open", "4", "4"], ["aureole.load_string(OFFICE)._open", "2", "2"]],
     "_aureole.picture_glare": [["np.ones((4, 6))", "'luminance'", "'cd/m^2'", "scene()._open", "(0, 1, 0)", "0.0"]], "_aureole.open_illuminance": [["scene()._open", "(0, 1, 0)"]],
     "_aureole.traced_solid_angle": [["scene()._open", "(0, 0, 5)", "(0, 0, -1)", "64"]], "_aureole.false_color_map": [["np.eye(4)", "'a'", "'b'", "None", "1.0", "False", "[]"]],
-    "_aureole.light_field_axes": [["field_scene()._open", "rendered()._picture"]], "_aureole.require_light_field": [["field_scene()._open"]],
+    "_aureole.light_field_axes": [["field_scene()._open"]], "_aureole.require_light_field": [["field_scene()._open"]],
     "_aureole.parsed_light_field": [["rendered()._picture", "torn_text('s, t: 2 x 2 views over 0.4 x 0.4; u, v: 3 x 2 pixels, width 3 at the distance 4', R)", "'a'"]],
     "_aureole.light_field_picture": [["rendered()._picture", "'s, t: 2 x 2 views over 0.4 x 0.4; u, v: 3 x 2 pixels, width 3 at the distance 4'", "'a'", "(0, 0)", "0.1", "3.0"]],
     "_aureole.write_light_field": [["rendered()._picture", "'a'", "file('a.exr')"]], "_aureole.camera_of_file": [["text_file('{\"gain\": 1}', 'json')"]], "_aureole.exposure_of_scene": [["camera_scene()._open"]],

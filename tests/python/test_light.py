@@ -206,6 +206,8 @@ def test_ugr(folder):
         aureole.ugr(data, opening=(1, 1, 0))
     with pytest.raises(aureole.Error, match="whole number"):
         aureole.ugr(data, spacing=0.3)
+    with pytest.raises(aureole.Error, match="watts: is for the file of a luminaire"):
+        aureole.ugr(folder / "panel.ies", watts=30)
     with pytest.raises(aureole.Error, match='background: expected "uniform" or "patches"'):
         aureole.ugr(data, background="traced")
 
@@ -286,6 +288,12 @@ def test_expose(folder):
         aureole.expose(found.image, exposure=1, efficiency={"nm": [400, 300], "values": [0.1, 0.2]})
     with pytest.raises(aureole.Error, match="has no spectral channels"):
         aureole.expose(aureole.Image(np.ones((2, 2, 3))), exposure=1)
+
+
+def test_a_crop_lacks_views(folder):
+    (folder / "part.xml").write_text(FIELD.replace('<integer name="height"', '<integer name="crop_width" value="48"/><integer name="height"'))
+    with pytest.raises(aureole.Error, match="the film has a crop"):
+        aureole.lightfield(folder / "part.xml", progress=False)
 
 
 def test_light_field(folder):

@@ -242,6 +242,26 @@ TEST(Photometry, GlareOfADiscInItsSurround) {
   // A pyramid of 90 degrees has a sixth of the sphere.
   EXPECT_NEAR(glare.solid_angle, 4 * M_PI / 6, 0.002);
   EXPECT_THROW(picture_glare(map, loaded.scene->sensor(), {1, 0, 0}, 1000), Error);
+  // A crop keeps the directions of its pixels: the same source in the same surround.
+  std::string cropped = camera;
+  const std::string size = "<integer name='height' value='512'/>";
+  cropped.insert(cropped.find(size) + size.size(),
+                 "<integer name='crop_offset_x' value='150'/><integer name='crop_offset_y' value='60'/>"
+                 "<integer name='crop_width' value='200'/><integer name='crop_height' value='150'/>");
+  const LoadedScene part = scene(cropped + disc, "direct");
+  const PhotometricMap of_part = photometric_map(
+      render(part, 64), channels_attribute(film.channel_names(), film.channel_meanings()), "picture");
+  ASSERT_EQ(of_part.width, 200);
+  // Few pixels of the disc's rim are near this threshold, which noise would change.
+  const PictureGlare glare_of_part = picture_glare(of_part, part.scene->sensor(), {0, 0, 1}, 300),
+                     of_whole = picture_glare(map, loaded.scene->sensor(), {0, 0, 1}, 300);
+  ASSERT_EQ(glare_of_part.sources.size(), 1u);
+  EXPECT_NEAR(glare_of_part.sources[0].source.position, of_whole.sources[0].source.position, 1e-3);
+  EXPECT_NEAR(glare_of_part.sources[0].source.solid_angle, of_whole.sources[0].source.solid_angle,
+              0.02 * omega);
+  EXPECT_NEAR(glare_of_part.rating, of_whole.rating, 0.05);
+  EXPECT_NEAR(glare_of_part.sources[0].x, of_whole.sources[0].x - 150, 0.1);
+  EXPECT_THROW(picture_glare(of_part, loaded.scene->sensor(), {0, 0, 1}, 5000), Error);
 }
 
 TEST(Photometry, StatisticsAndScales) {

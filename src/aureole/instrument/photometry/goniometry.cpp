@@ -82,6 +82,9 @@ Luminaire read_changed_luminaire(const std::filesystem::path& file, std::size_t 
   LuminaireOptions how;
   how.lamp_set = lamp_set, how.lamp_flux = options.lamp_flux;
   Luminaire l = read_luminaire(file, how);
+  if (lamp_set > 0 && l.format == Luminaire::Format::ies)
+    throw Error("--lamp-set " + std::to_string(lamp_set) + ": " + file.string() +
+                " is a file of LM-63, which has one set of lamps");
   if (options.flux > 0) {
     const double flux = l.distribution.flux();
     if (!(flux > 0)) throw Error(file.string() + ": the luminaire emits no light, which no flux can scale");

@@ -71,12 +71,17 @@ bool is_unit_of_flux(const std::string& unit) {
   return std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits);
 }
 
+std::array<int, 2> place_on_film(const Film& film, int width, int height) {
+  if (width == film.crop_width() && height == film.crop_height()) return {film.crop_x(), film.crop_y()};
+  if (width == film.width() && height == film.height()) return {0, 0};
+  throw Error(fmt::format("a picture of {} x {} pixels is not that of the film, which has {} x {}", width,
+                          height, film.crop_width(), film.crop_height()));
+}
+
 std::vector<double> cell_areas(const PlacedSensor& sensor, int width, int height) {
   if (!sensor.cell_areas) return {};
-  const int columns = int(sensor.part.width), left = int(std::lround(sensor.part.lower.x - sensor.part.left)),
-            top = int(std::lround(sensor.part.lower.y)), rows = int(sensor.cell_areas->size()) / columns;
-  const bool is_whole = columns == width && rows == height;
-  const int x0 = is_whole ? 0 : left, y0 = is_whole ? 0 : top;
+  const int columns = int(sensor.part.width), rows = int(sensor.cell_areas->size()) / columns;
+  const auto [x0, y0] = place_on_film(sensor.film(), width, height);
   if (x0 < 0 || y0 < 0 || x0 + width > columns || y0 + height > rows) return {};
   std::vector<double> areas;
   for (int y = 0; y < height; ++y)
@@ -154,8 +159,9 @@ struct PixelView {
 
 PixelView pixel_view(const PlacedSensor& camera, int width, int height) {
   PixelView view;
+  const auto place = place_on_film(camera.film(), width, height);
   const auto ray = [&](double x, double y) {
-    return camera.sample_ray({float(x), float(y)}, {0.5f, 0.5f}).ray;
+    return camera.sample_ray({float(place[0] + x), float(place[1] + y)}, {0.5f, 0.5f}).ray;
   };
   const Vec3 first = ray(0.5, 0.5).d, last = ray(width - 0.5, height - 0.5).d;
   if (!(length_squared(first - last) > 0))
@@ -178,8 +184,9 @@ PictureGlare picture_glare(const PhotometricMap& map, const PlacedSensor& camera
   if (map.unit != "cd/m^2" && map.unit != "nit")
     throw Error("glare needs a picture of the luminance in cd/m^2, not of " + map.quantity);
   const PixelView view = pixel_view(camera, map.width, map.height);
+  const Film& film = camera.film();
   const Vec3 sight =
-      camera.sample_ray({0.5f * float(map.width), 0.5f * float(map.height)}, {0.5f, 0.5f}).ray.d;
+      camera.sample_ray({0.5f * float(film.width()), 0.5f * float(film.height())}, {0.5f, 0.5f}).ray.d;
   const Vec3 across = cross(sight, up);
   if (!(length_squared(across) > 1e-6f)) throw Error("the line of sight is vertical: state another \"up\"");
   const Vec3 right = normalize(across), above = cross(right, sight);
