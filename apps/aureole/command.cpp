@@ -18,6 +18,7 @@ std::vector<Command>& registered() {
 bool is_one_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   namespace fs = std::filesystem;
   std::error_code code;
+  if (a.empty() || b.empty()) return false;
   if (fs::exists(a, code) && !fs::is_regular_file(a, code)) return false;
   if (fs::equivalent(a, b, code)) return true;
   const fs::path first = fs::weakly_canonical(fs::absolute(a, code), code);

@@ -79,8 +79,9 @@ double exposure_of(const ExposeArguments& a, double of_scene) {
   return exposure;
 }
 
-ExposedPicture picture_of_scene(const ExposeArguments& a) {
+ExposedPicture picture_of_scene(const ExposeArguments& a, const std::vector<NamedFile>& outputs) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
+  require_files_stay(outputs, loaded);
   const Film& film = loaded.scene->film();
   const std::vector<std::string> names = film.channel_names();
   const std::string meanings = channels_attribute(names, film.channel_meanings());
@@ -142,7 +143,7 @@ int expose(const ExposeArguments& a) {
   std::optional<ColorCalibration> colors;
   if (!camera.mosaic.is_mono()) colors = calibrate_colors(camera);
 
-  const ExposedPicture found = is_scene ? picture_of_scene(a) : picture_of_file(a);
+  const ExposedPicture found = is_scene ? picture_of_scene(a, outputs) : picture_of_file(a);
   const SpectralPicture& picture = found.picture;
   const double exposure = exposure_of(a, found.exposure);
   if (picture.is_irradiance)

@@ -44,6 +44,7 @@ LoadedScene load_for(const IlluminationArguments& a, bool is_local) {
 IlluminationRuns illuminate(const IlluminationArguments& a, bool is_local,
                             const std::vector<MapRegion>& regions) {
   const LoadedScene loaded = load_for(a, is_local);
+  require_files_stay({{"-o", a.output}, {"--map", a.map}}, loaded);
   if (!a.quiet && !is_local)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const Film& film = loaded.scene->film();

@@ -34,8 +34,10 @@ struct LightFieldArguments {
 };
 
 /// Renders the light field of a scene, and says what its channels hold.
-LightField field_of_scene(const LightFieldArguments& a, std::string& meanings) {
+LightField field_of_scene(const LightFieldArguments& a, const std::vector<NamedFile>& outputs,
+                          std::string& meanings) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
+  require_files_stay(outputs, loaded);
   const Film& film = loaded.scene->film();
   LightField f;
   f.axes = light_field_axes(loaded.scene->sensor().properties(), film);
@@ -96,7 +98,7 @@ int lightfield(const LightFieldArguments& a) {
   LightField field;
   std::string meanings;
   if (is_scene) {
-    field = field_of_scene(a, meanings);
+    field = field_of_scene(a, outputs, meanings);
     ExrAttributes attributes;
     attributes.strings[kChannelsAttribute] = meanings;
     attributes.strings[kLightFieldAttribute] = field.axes.text();

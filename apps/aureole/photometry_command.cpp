@@ -39,8 +39,10 @@ struct MapOfScene {
   std::shared_ptr<const Scene> scene;
 };
 
-MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file) {
+MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file,
+                        const std::vector<NamedFile>& outputs) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
+  require_files_stay(outputs, loaded);
   const std::vector<std::string> names = loaded.scene->film().channel_names();
   const std::string meanings = channels_attribute(names, loaded.scene->film().channel_meanings());
   // The unit is checked before the picture is rendered.
@@ -142,7 +144,7 @@ int photometry(const PhotometryArguments& a) {
   if (!(length_squared(up) > 0)) throw Error("--up: is no direction");
   up = normalize(up);
 
-  MapOfScene found = is_scene ? map_of_scene(a, exr) : map_of_picture(a);
+  MapOfScene found = is_scene ? map_of_scene(a, exr, outputs) : map_of_picture(a);
   PhotometricMap& map = found.map;
   if (found.scene) map.areas = cell_areas(found.scene->sensor(), map.width, map.height);
   if (a.daylight) {

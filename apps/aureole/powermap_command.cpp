@@ -115,6 +115,7 @@ int powermap(const Arguments& a) {
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   if (!a.quiet)
     for (const auto& note : power_map_notes(settings, loaded)) tell("note: {}\n", note);
+  require_files_stay({{"-o", output}, {"the picture of -o", png}}, loaded);
   require_power_map(*loaded.scene);
   RenderOptions options = render_options(a.spp, a.seed, a.threads);
   options.replicates = a.replicates, options.time_limit_s = a.time_s;

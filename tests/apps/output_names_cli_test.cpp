@@ -89,6 +89,25 @@ TEST_F(OutputNames, WhatIsReadIsNotReplaced) {
   EXPECT_EQ(file_content(folder.path / "a.exr"), picture);
 }
 
+TEST_F(OutputNames, FilesOfASceneStay) {
+  // The picture beside the .exr has the name of a texture.
+  ASSERT_EQ(run({"photometry", "grid.xml", "-o", "t.png", "-q"}), 0) << output;
+  const std::string texture = file_content(folder.path / "t.png");
+  std::string scene = file_content(folder.path / "grid.xml");
+  scene.replace(
+      scene.find("</shape>"), 0,
+      "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='t.png'/></texture></bsdf>");
+  folder.write("painted.xml", scene);
+  refused({"render", "painted.xml", "-o", "t.exr"},
+          "the preview of -o t.png: would replace a file of the scene, which is read");
+  refused({"photometry", "painted.xml", "-o", "t.png"}, "-o t.png: would replace a file of the scene");
+  refused({"powermap", "painted.xml", "-o", "t.exr"}, "would replace a file of the scene");
+  refused({"illumination", "painted.xml", "--map", "t.png"},
+          "--map t.png: would replace a file of the scene");
+  EXPECT_EQ(file_content(folder.path / "t.png"), texture);
+  EXPECT_EQ(run({"render", "painted.xml", "-o", "u.exr", "-q"}), 0) << output;
+}
+
 TEST_F(OutputNames, EmptyValuesAreErrors) {
   refused({"ugr", "lamp.ies", "--csv", ""}, "--csv: needs a value");
   refused({"goniophotometer", "lamp.ies", "--flux", ""}, "--flux: needs a value");
