@@ -16,7 +16,7 @@ LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"], [
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
 ALONE = {"apps": "apps", "python/bindings": "python"}  # folders without subfolders
 PHYSICS = {"optics", "pigment"}  # never see a renderer type, not even a float Spectrum
-PHYSICS_CORE = {"parallel_for", "random"}  # of core what the library aureole_optics has (src/aureole/optics/CMakeLists.txt)
+PHYSICS_CORE = {"letter_case", "parallel_for", "random"}  # of core what the library aureole_optics has (src/aureole/optics/CMakeLists.txt)
 # Headers of a family that other families may include; where a family is not named here, <family>/<family>.h alone.
 INTERFACES = {"shape": {"shape", "surface_point", "area_sampler", "shape_area"},
               "phase": {"phase", "mean_cosine", "mie_tables", "tabulated_phase_function"}}

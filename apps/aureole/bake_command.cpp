@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/bake/radiance_bake.h"
 #include "aureole/instrument/bake/splat_bake.h"
@@ -30,7 +31,7 @@ struct BakeArguments {
 
 void require_extension(const std::filesystem::path& output, const std::vector<std::string>& known,
                        const char* what) {
-  const std::string extension = output.extension().string();
+  const std::string extension = lower_extension(output);
   if (std::find(known.begin(), known.end(), extension) == known.end())
     throw Error({output.string(), 0, 0},
                 fmt::format("has the extension \"{}\"; {} as {}", extension, what, fmt::join(known, ", ")));

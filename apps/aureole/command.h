@@ -5,8 +5,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -18,8 +20,9 @@ namespace aureole {
 class CommandOption {
 public:
   /// The variable that receives the value; it is unchanged if the option is not given. A bool is a flag
-  /// without a value.
-  using Target = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*,
+  /// without a value. An optional tells a value that equals the default from an option that is not given.
+  using Target = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::optional<int>*,
+                              std::optional<std::int64_t>*, std::optional<double>*, std::string*,
                               std::vector<double>*, std::vector<std::string>*>;
 
   CommandOption(std::string names, Target target, std::string help)
@@ -36,8 +39,8 @@ public:
   CommandOption& separated_by(char separator) { return separator_ = separator, *this; }
   CommandOption& between(double min, double max) { return min_ = min, max_ = max, *this; }
   CommandOption& one_of(std::vector<std::string> values) { return choices_ = std::move(values), *this; }
-  /// Marks the value as the name of a file that the command writes: the program ends with an error before the
-  /// command runs if it cannot be written.
+  /// Marks the value, or each of several, as the name of a file that the command writes: the program ends with an error
+  /// before the command runs if it cannot be written, or if it is a file of another option or the command's target.
   CommandOption& names_output() { return names_output_ = true, *this; }
 
 private:
@@ -90,6 +93,17 @@ struct CommandRegistration {
 /// Registers a command: AUREOLE_COMMAND("info", "List the content of a scene", declare_info);
 #define AUREOLE_COMMAND(name, help, declare) \
   static const ::aureole::CommandRegistration aureole_command_registration({name, help, declare})
+
+/// A file of a command, by the option that names it ("--csv"), or by what it is ("the target").
+struct NamedFile {
+  std::string named_by;
+  std::filesystem::path file;
+};
+
+/// Throws Error where two outputs are one file, or an output is a file that the command reads. Commands call it for files whose
+/// names they derive; it has been called for options with `names_output` and for positional arguments.
+void require_distinct_outputs(const std::vector<NamedFile>& outputs,
+                              const std::vector<NamedFile>& inputs = {});
 
 /// Splits options -D name=value; throws Error for any other form.
 std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list);

@@ -16,6 +16,7 @@
 #include "aureole/core/output_file.h"
 #include "aureole/core/version.h"
 #include "command.h"
+#include "interruption.h"
 
 namespace aureole {
 
@@ -108,12 +109,42 @@ private:
     }
     sub->callback([this, action, sub, all = options.get()] {
       if (all->words_) *all->words_ = sub->remaining();
-      for (const auto& option : all->all()) {
-        const auto* file = std::get_if<std::string*>(&option->target_);
-        if (option->names_output_ && file && !(*file)->empty()) require_writable(**file);
-      }
+      require_outputs(*all);
       exit_code_ = action();
     });
+  }
+
+  /// The files that the values of an option name, by its last name, "--output".
+  static std::vector<NamedFile> files_of(const CommandOption& option) {
+    const std::string name = option.names_.substr(option.names_.rfind(',') + 1);
+    std::vector<NamedFile> files;
+    if (const auto* one = std::get_if<std::string*>(&option.target_); one && !(*one)->empty())
+      files.push_back({name, **one});
+    if (const auto* several = std::get_if<std::vector<std::string>*>(&option.target_))
+      for (const std::string& file : **several) files.push_back({name, file});
+    return files;
+  }
+
+  /// Throws Error for outputs that cannot be written, or that are files of other options or of the positional arguments.
+  static void require_outputs(const CommandOptions& options) {
+    std::vector<NamedFile> outputs, inputs;
+    for (const auto& option : options.all()) {
+      const bool is_positional = option->names_[0] != '-';
+      if (!option->names_output_ && !is_positional) continue;
+      for (NamedFile& file : files_of(*option)) {
+        if (!is_positional) {
+          require_writable(file.file);
+          outputs.push_back(std::move(file));
+          continue;
+        }
+        // A target such as scene.xml#id is a part of a file.
+        const std::string text = file.file.string();
+        inputs.push_back({"the " + file.named_by, file.file});
+        if (const std::size_t mark = text.rfind('#'); mark != text.npos)
+          inputs.push_back({"the " + file.named_by, text.substr(0, mark)});
+      }
+    }
+    require_distinct_outputs(outputs, inputs);
   }
 
   static void add(CLI::App& sub, const CommandOption& o) {
@@ -124,6 +155,9 @@ private:
     if (o.values_) option->expected(o.values_);
     if (o.values_each_time_) option->type_size(o.values_each_time_);
     if (!o.choices_.empty()) option->check(CLI::IsMember(o.choices_));
+    // The library reads no text as the number 0, and commands take it for an option that is not given.
+    if (!std::holds_alternative<bool*>(o.target_))
+      option->check([](const std::string& text) { return std::string(text.empty() ? "needs a value" : ""); });
     // Each use of an option takes the number of values that it states, or else one: the next word may be a
     // positional argument.
     if (!option->get_positional()) option->allow_extra_args(false);
@@ -134,15 +168,29 @@ private:
   template <class T>
   static CLI::Option* add(CLI::App& sub, const CommandOption& o, T& target) {
     CLI::Option* option = sub.add_option(o.names_, target, o.help_);
-    if constexpr (std::is_arithmetic_v<T>)
-      if (o.min_ < o.max_) option->check(CLI::Range(T(o.min_), T(o.max_)));
-    if constexpr (std::is_floating_point_v<T>)
+    if constexpr (std::is_same_v<T, std::uint64_t>)  // the library wraps negative numbers around
+      option->check([](const std::string& text) {
+        return std::string(text.find('-') != text.npos ? text + " is negative" : "");
+      });
+    using Number = typename NumberOf<T>::type;
+    if constexpr (std::is_arithmetic_v<Number>)
+      if (o.min_ < o.max_) option->check(CLI::Range(Number(o.min_), Number(o.max_)));
+    if constexpr (std::is_floating_point_v<Number>)
       if (o.min_ < o.max_)  // a NaN lies within every range of CLI11
         option->check([](const std::string& text) {
           return CLI::detail::to_lower(text).find("nan") == text.npos ? "" : text + " is not a number";
         });
     return option;
   }
+
+  template <class T>
+  struct NumberOf {
+    using type = T;
+  };
+  template <class T>
+  struct NumberOf<std::optional<T>> {
+    using type = T;
+  };
 
   CLI::App app_;
   std::vector<std::unique_ptr<CommandOptions>> declared_;
@@ -174,6 +222,7 @@ int run_commands(int argc, char** argv) {
     for (const auto& line : list.errors()) std::fprintf(stderr, "error: %s\n", line.c_str());
   } catch (const Error& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
+    if (is_interrupted()) return 1;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "error: not enough memory\n");
   } catch (const std::system_error& e) {

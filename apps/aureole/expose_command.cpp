@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/detector/camera_exposure.h"
 #include "aureole/loading/load.h"
@@ -25,16 +26,15 @@ namespace {
 struct ExposeArguments {
   std::string target, camera, mosaic, aperture, efficiency, electrons;
   std::vector<std::string> outputs, defines;
-  std::int64_t spp = -1, seed = -1, frame = 1, sensor = 1;
+  std::optional<std::int64_t> spp, seed;
+  std::int64_t frame = 1, sensor = 1;
   int threads = 0, frames = 1;
-  std::vector<double> exposure, f_number, pitch, transmission, full_well, read_noise, dark_current, dsnu,
+  std::optional<double> exposure, f_number, pitch, transmission, full_well, read_noise, dark_current, dsnu,
       prnu, gain, black, bits;
   bool quiet = false;
 };
 
-void replace(double& value, const std::vector<double>& given) {
-  if (!given.empty()) value = given[0];
-}
+void replace(double& value, const std::optional<double>& given) { value = given.value_or(value); }
 
 CameraModel camera_of(const ExposeArguments& a) {
   CameraModel c = a.camera.empty() ? CameraModel() : read_camera(a.camera);
@@ -45,10 +45,10 @@ CameraModel camera_of(const ExposeArguments& a) {
       replace(d.dark_current, a.dark_current);
   replace(d.dark_nonuniformity, a.dsnu), replace(d.photo_nonuniformity, a.prnu), replace(d.gain, a.gain);
   replace(d.black_level, a.black);
-  if (!a.bits.empty()) {
-    if (a.bits[0] != std::floor(a.bits[0]))
-      throw Error(fmt::format("--bits {:g}: must be a whole number", a.bits[0]));
-    d.bits = int(a.bits[0]);
+  if (a.bits) {
+    if (!(*a.bits == std::floor(*a.bits) && std::abs(*a.bits) < 1e6))
+      throw Error(fmt::format("--bits {:g}: must be a whole number", *a.bits));
+    d.bits = int(*a.bits);
   }
   if (!a.aperture.empty())
     c.aperture = a.aperture == "sine" ? optics::ApertureLaw::sine : optics::ApertureLaw::thin;
@@ -70,23 +70,37 @@ struct ExposedPicture {
   double exposure = 0;
 };
 
-ExposedPicture picture_of_scene(const ExposeArguments& a) {
+/// The exposure in seconds: that of the option, or else that of the scene. Throws Error where neither is positive.
+double exposure_of(const ExposeArguments& a, double of_scene) {
+  const double exposure = a.exposure.value_or(of_scene);
+  if (!(exposure > 0))
+    throw Error(a.exposure ? fmt::format("--exposure {:g}: must be positive, in seconds", exposure)
+                           : "--exposure: is needed, in seconds: the target states no shutter times");
+  return exposure;
+}
+
+ExposedPicture picture_of_scene(const ExposeArguments& a, const std::vector<NamedFile>& outputs) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
+  require_files_stay(outputs, loaded);
   const Film& film = loaded.scene->film();
   const std::vector<std::string> names = film.channel_names();
   const std::string meanings = channels_attribute(names, film.channel_meanings());
-  // The channels of the film are asked for before the picture is rendered.
+  // The exposure and the channels of the film are asked for before the picture is rendered.
+  const double duration = loaded.scene->sensor().sensor->exposure().duration();
+  exposure_of(a, duration);
   spectral_picture({.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())},
                    meanings, a.target);
   RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
   run_to_end(job);
-  return {spectral_picture(job.state().picture(), meanings, a.target),
-          loaded.scene->sensor().sensor->exposure().duration()};
+  return {spectral_picture(job.state().picture(), meanings, a.target), duration};
 }
 
 ExposedPicture picture_of_file(const ExposeArguments& a) {
-  for (const auto& [option, given] : {std::pair("--spp", a.spp != -1), std::pair("--seed", a.seed != -1)})
-    if (given) throw Error(std::string(option) + ": is for a scene, which is rendered; a picture is done");
+  refuse_options({{"--spp", a.spp.has_value()},
+                  {"--seed", a.seed.has_value()},
+                  {"--threads", a.threads != 0},
+                  {"--define", !a.defines.empty()}},
+                 "is for a scene, which is rendered; a picture is done");
   ExrAttributes attributes;
   const Image picture = read_picture(a.target, &attributes);
   const auto found = attributes.strings.find(kChannelsAttribute);
@@ -102,19 +116,24 @@ std::filesystem::path frame_name(const std::filesystem::path& file, std::int64_t
 }
 
 int expose(const ExposeArguments& a) {
-  if (a.spp == 0 || a.spp < -1)
-    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  check_sampling(a.spp, a.seed, a.threads);
   if (a.frame < 0 || a.sensor < 0) throw Error("--frame and --sensor: must not be negative");
+  if (a.frame > 1'000'000'000'000) throw Error(fmt::format("--frame {}: must be at most 10^12", a.frame));
   if (a.frames < 1) throw Error(fmt::format("--frames {}: at least one is needed", a.frames));
-  const bool is_scene = std::filesystem::path(a.target).extension() == ".xml";
+  if (a.frames > 1'000'000) throw Error(fmt::format("--frames {}: at most 1000000 are written", a.frames));
+  if (a.exposure) exposure_of(a, 0);
+  const bool is_scene = lower_extension(a.target) == ".xml";
   std::vector<std::filesystem::path> files(a.outputs.begin(), a.outputs.end());
   if (files.empty()) files.emplace_back(std::filesystem::path(a.target).stem().string() + ".dng");
+  std::vector<NamedFile> outputs;
+  if (!a.electrons.empty()) outputs.push_back({"--electrons", a.electrons});
   for (const std::filesystem::path& file : files) {
-    if (file.extension() != ".dng" && file.extension() != ".tif" && file.extension() != ".tiff")
+    outputs.push_back({"-o", file});
+    if (const std::string kind = lower_extension(file); kind != ".dng" && kind != ".tif" && kind != ".tiff")
       throw Error("-o " + file.string() + ": the output is a .dng, .tif or .tiff file");
     for (int i = 0; i < a.frames; ++i) require_writable(frame_name(file, a.frame + i, a.frames));
   }
+  require_distinct_outputs(outputs, {{"the target", a.target}});
   CameraModel camera;
   try {
     camera = camera_of(a);
@@ -124,15 +143,12 @@ int expose(const ExposeArguments& a) {
   std::optional<ColorCalibration> colors;
   if (!camera.mosaic.is_mono()) colors = calibrate_colors(camera);
 
-  const ExposedPicture found = is_scene ? picture_of_scene(a) : picture_of_file(a);
+  const ExposedPicture found = is_scene ? picture_of_scene(a, outputs) : picture_of_file(a);
   const SpectralPicture& picture = found.picture;
-  const double exposure = a.exposure.empty() ? found.exposure : a.exposure[0];
-  if (!(exposure > 0))
-    throw Error(a.exposure.empty() ? "--exposure: is needed, in seconds: the target states no shutter times"
-                                   : fmt::format("--exposure {:g}: must be positive, in seconds", exposure));
+  const double exposure = exposure_of(a, found.exposure);
   if (picture.is_irradiance)
     for (const auto& [option, given] :
-         {std::pair("--f-number", !a.f_number.empty()), std::pair("--aperture", !a.aperture.empty())})
+         {std::pair("--f-number", a.f_number.has_value()), std::pair("--aperture", !a.aperture.empty())})
       if (given) tell("note: {} has no effect: the picture is the irradiance on the film\n", option);
   const std::vector<double> electrons = mean_electrons(picture, camera, exposure);
   if (!a.electrons.empty()) {
@@ -152,7 +168,7 @@ int expose(const ExposeArguments& a) {
     for (const std::uint16_t v : raw.values) signal += v, saturated += v >= raw.white_level;
     for (const std::filesystem::path& file : files) {
       const std::filesystem::path name = frame_name(file, frame, a.frames);
-      file.extension() == ".dng" ? write_dng(name, raw) : write_raw_tiff(name, raw);
+      lower_extension(file) == ".dng" ? write_dng(name, raw) : write_raw_tiff(name, raw);
       if (!a.quiet) fmt::print("{}\n", name.string());
     }
   }
@@ -187,39 +203,34 @@ std::function<int()> declare_expose(CommandOptions& options) {
       .takes_each_time(1);
   options.add("--camera", a->camera,
               "camera (.json): keys such as those options, with \"efficiency\" the name of a table");
-  options
-      .add("--exposure", a->exposure,
-           "exposure in seconds (default: from shutter_open to shutter_close of the scene)")
-      .takes(1);
+  options.add("--exposure", a->exposure,
+              "exposure in seconds (default: from shutter_open to shutter_close of the scene)");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   add_cache_option(options);
   options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores)");
-  options.add("--f-number", a->f_number, "f-number, for pictures of the radiance (default: 2.8)").takes(1);
+  options.add("--f-number", a->f_number, "f-number, for pictures of the radiance (default: 2.8)");
   options
       .add(
           "--aperture", a->aperture,
           "what the f-number means: sine, pi/(4 N^2) sr (the default); thin, pi sin^2(atan(1/(2 N))) sr of a thin lens")
       .one_of({"sine", "thin"});
-  options.add("--pixel-pitch", a->pitch, "distance of neighbouring pixels in um (default: 4)").takes(1);
-  options.add("--transmission", a->transmission, "of lens and filters (default: 1)").takes(1);
+  options.add("--pixel-pitch", a->pitch, "distance of neighbouring pixels in um (default: 4)");
+  options.add("--transmission", a->transmission, "of lens and filters (default: 1)");
   options.add(
       "--efficiency", a->efficiency,
       "quantum efficiency: a number (default: 0.5), or a table of wavelengths in nm and one column, or three of red, "
       "green and blue");
   options.add("--mosaic", a->mosaic, "filters: mono (the default), rggb, bggr, grbg, gbrg or xtrans");
-  options.add("--full-well", a->full_well, "electrons that a pixel holds (default: 20000)").takes(1);
-  options.add("--read-noise", a->read_noise, "standard deviation of reading in electrons (default: 3)")
-      .takes(1);
-  options.add("--dark-current", a->dark_current, "electrons per second without light (default: 0)").takes(1);
-  options.add("--dsnu", a->dsnu, "standard deviation of the pixels' offsets in electrons (default: 0)")
-      .takes(1);
-  options.add("--prnu", a->prnu, "standard deviation of the pixels' responses over their mean (default: 0)")
-      .takes(1);
-  options.add("--gain", a->gain, "digital numbers per electron (default: 0.2)").takes(1);
-  options.add("--black", a->black, "digital number of the dark (default: 64)").takes(1);
-  options.add("--bits", a->bits, "bits of the converter (default: 12)").takes(1);
+  options.add("--full-well", a->full_well, "electrons that a pixel holds (default: 20000)");
+  options.add("--read-noise", a->read_noise, "standard deviation of reading in electrons (default: 3)");
+  options.add("--dark-current", a->dark_current, "electrons per second without light (default: 0)");
+  options.add("--dsnu", a->dsnu, "standard deviation of the pixels' offsets in electrons (default: 0)");
+  options.add("--prnu", a->prnu, "standard deviation of the pixels' responses over their mean (default: 0)");
+  options.add("--gain", a->gain, "digital numbers per electron (default: 0.2)");
+  options.add("--black", a->black, "digital number of the dark (default: 64)");
+  options.add("--bits", a->bits, "bits of the converter (default: 12)");
   options.add("--sensor", a->sensor, "number of the sensor, which has its own fixed pattern").shows_default();
   options.add("--frame", a->frame, "number of the frame, which has its own noise").shows_default();
   options.add("--frames", a->frames, "how many frames are written, with their numbers in their names")

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/laboratory/brdf_fit.h"
 #include "aureole/instrument/laboratory/goniometer.h"
@@ -21,6 +22,7 @@
 #include "command.h"
 #include "interruption.h"
 #include "laboratory_options.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "scene_loading.h"
 
@@ -164,7 +166,8 @@ int measure_and_write_spread(const GoniometerOptions& o, const Bench& bench, con
 
 int goniometer(GoniometerOptions o) {
   GoniometerSettings& s = o.settings;
-  if (!o.output.empty() && std::filesystem::path(o.output).extension() != ".csv")
+  check_sampling({}, {}, o.trace.threads);
+  if (!o.output.empty() && lower_extension(o.output) != ".csv")
     throw Error({o.output, 0, 0}, "the table is a .csv file");
   if (!o.material.empty() || !o.models.empty()) o.fit = true;
   if (!std::isnan(o.lamp_angle)) s.lamp_angle = o.lamp_angle;
@@ -188,7 +191,7 @@ int goniometer(GoniometerOptions o) {
   GonioTable table;
   nlohmann::json out;
   const std::size_t mark = o.target.rfind('#');
-  const bool is_file = mark == o.target.npos && std::filesystem::path(o.target).extension() == ".csv";
+  const bool is_file = mark == o.target.npos && lower_extension(o.target) == ".csv";
   if (is_file) {
     table = read_gonio_table(o.target);
     for (const std::string& note : table.notes) tell("note: {}\n", note);

@@ -2,10 +2,6 @@
 // aureole goniophotometer: the luminous intensities of a modelled luminaire, or of a file, as IES and EULUMDAT files.
 #include <fmt/format.h>
 
-#include <cctype>
-#include <filesystem>
-
-#include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/report/svg_plot.h"
 #include "command.h"
@@ -16,7 +12,6 @@ namespace {
 
 struct GonioArguments : LuminaireTarget {
   std::string plot;
-  std::vector<std::string> outputs;
 };
 
 void print_luminaire(const GonioArguments& a, const Luminaire& l) {
@@ -61,17 +56,7 @@ std::string intensity_plot(const GonioArguments& a, const Luminaire& l) {
 }
 
 int goniophotometer(const GonioArguments& a) {
-  for (const std::string& output : a.outputs) {
-    if (!is_luminaire_file(output)) throw Error("-o " + output + ": the output is an .ies or an .ldt file");
-    require_writable(output);
-  }
   const Luminaire l = luminaire_of(a);
-  for (const std::string& output : a.outputs) {
-    const bool is_ldt =
-        std::tolower(static_cast<unsigned char>(std::filesystem::path(output).extension().string()[1])) ==
-        'l';
-    write_file_atomically(output, is_ldt ? eulumdat_text(l) : ies_text(l));
-  }
   if (!a.plot.empty()) write_file_atomically(a.plot, intensity_plot(a, l));
   if (!a.quiet) print_luminaire(a, l);
   return 0;
@@ -80,7 +65,6 @@ int goniophotometer(const GonioArguments& a) {
 std::function<int()> declare_goniophotometer(CommandOptions& options) {
   auto a = std::make_shared<GonioArguments>();
   add_luminaire_target(options, *a);
-  options.add("-o,--output", a->outputs, "write this .ies or .ldt file; may be repeated").takes_each_time(1);
   options.add("--plot", a->plot, "write the intensities over gamma to this SVG file").names_output();
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return goniophotometer(*a); };

@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/photometry/illumination.h"
 #include "aureole/loading/load.h"
@@ -24,7 +27,7 @@ namespace {
 struct IlluminationArguments {
   std::string scene, output, map;
   std::vector<std::string> defines;
-  std::int64_t spp = -1, seed = -1;
+  std::optional<std::int64_t> spp, seed;
   int threads = 0, runs = 8;
   std::vector<double> regions;
   bool quiet = false;
@@ -41,13 +44,14 @@ LoadedScene load_for(const IlluminationArguments& a, bool is_local) {
 IlluminationRuns illuminate(const IlluminationArguments& a, bool is_local,
                             const std::vector<MapRegion>& regions) {
   const LoadedScene loaded = load_for(a, is_local);
+  require_files_stay({{"-o", a.output}, {"--map", a.map}}, loaded);
   if (!a.quiet && !is_local)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const Film& film = loaded.scene->film();
   IlluminationRuns result(a.scene, channels_attribute(film.channel_names(), film.channel_meanings()),
                           film.crop_width(), film.crop_height(), regions);
   for (int run = 0; run < a.runs; ++run) {
-    RenderOptions options = render_options(a.spp, (a.seed >= 0 ? a.seed : 0) + std::int64_t(run), a.threads);
+    RenderOptions options = render_options(a.spp, a.seed.value_or(0) + run, a.threads);
     options.adaptive = AdaptiveTarget::none;
     RenderJob job(loaded, options);
     run_to_end(job);
@@ -69,9 +73,9 @@ Image side_by_side(const Image& left, const Image& right) {
 }
 
 int illumination(const IlluminationArguments& a) {
-  if (a.spp == 0 || a.spp < -1)
-    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  check_sampling(a.spp, a.seed, a.threads);
+  if (a.seed && *a.seed > std::numeric_limits<std::int64_t>::max() - a.runs)
+    throw Error(fmt::format("--seed {}: leaves no seeds for {} runs", *a.seed, a.runs));
   std::vector<MapRegion> regions;
   for (const double cell : a.regions)
     if (!(cell >= 0 && cell < 1e6 && cell == std::floor(cell)))
@@ -82,7 +86,7 @@ int illumination(const IlluminationArguments& a) {
         {int(a.regions[i]), int(a.regions[i + 1]), int(a.regions[i + 2]), int(a.regions[i + 3])});
   for (const std::string& file : {a.output, a.map}) {
     if (file.empty()) continue;
-    if (std::filesystem::path(file).extension() != ".png") throw Error(file + ": the picture is a .png file");
+    if (lower_extension(file) != ".png") throw Error(file + ": the picture is a .png file");
     require_writable(file);
   }
   stop_on_interrupt();  // also while scenes are loaded

@@ -6,14 +6,16 @@
 namespace aureole {
 namespace {
 
-std::atomic<bool> is_interrupted{false};
-extern "C" void note_interruption(int) { is_interrupted = true; }
+std::atomic<bool> interrupted_flag{false};
+extern "C" void note_interruption(int) { interrupted_flag = true; }
 
 }  // namespace
 
 const std::atomic<bool>& stop_on_interrupt() {
   std::signal(SIGINT, note_interruption);
-  return is_interrupted;
+  return interrupted_flag;
 }
+
+bool is_interrupted() { return interrupted_flag; }
 
 }  // namespace aureole

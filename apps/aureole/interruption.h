@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C for subcommands that stop at the first one and write nothing.
+// Ctrl-C for subcommands that stop at the first one.
 #pragma once
 
 #include <atomic>
@@ -8,5 +8,8 @@ namespace aureole {
 
 /// Installs a handler of SIGINT and returns the flag that it sets.
 const std::atomic<bool>& stop_on_interrupt();
+
+/// Whether a SIGINT has arrived since `stop_on_interrupt`.
+bool is_interrupted();
 
 }  // namespace aureole

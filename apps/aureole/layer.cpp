@@ -32,7 +32,7 @@ struct LayerOptions {
 int layer(const LayerOptions& options) {
   const auto [file, id] = file_and_id(options.target);
   LoadOptions load = load_options(options.defines);
-  const LoadedObjects loaded = load_objects(file, load);
+  const LoadedObjects loaded = load_wanted_objects(file, load, has_id(id));
   for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const auto bsdf = find_bsdf(loaded, file, id);
   LayerSettings settings{options.angle, options.azimuth, options.step, options.illuminant, {}};

@@ -2,6 +2,9 @@
 // aureole lens: the properties of a lens by its elements.
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
+
 #include "aureole/instrument/lens/lens_figures.h"
 #include "aureole/optics/detector/photodetector.h"
 #include "command.h"
@@ -12,7 +15,8 @@ namespace {
 
 struct LensArguments {
   std::string file;
-  std::vector<double> f_number, distance, fields{0, 10, 20}, nm{486.1327, 587.5618, 656.2725};
+  std::optional<double> f_number, distance;
+  std::vector<double> fields{0, 10, 20}, nm{486.1327, 587.5618, 656.2725};
   int rays = 200;
 };
 
@@ -20,10 +24,11 @@ int report_lens(const LensArguments& a) {
   const LensPrescription lens = read_lens(a.file);
   for (const std::string& note : lens.notes) tell("note: {}\n", note);
   LensSettings settings;
-  if (!a.f_number.empty()) settings.f_number = a.f_number[0];
-  if (!a.distance.empty()) settings.object = 1000 * a.distance[0];
+  settings.f_number = a.f_number;
+  if (a.distance) settings.object = 1000 * *a.distance;
   settings.fields = a.fields, settings.nm = a.nm, settings.rays = a.rays;
   const LensFigures f = measure_lens(lens, settings);
+  for (const std::string& note : f.notes) tell("note: {}\n", note);
   fmt::print("{}{} surfaces, stop at surface {}\n", f.name.empty() ? "" : f.name + ": ", f.surfaces, f.stop);
   fmt::print("at the line d: focal length {:.4f} mm, f/{:.3f}, back focus {:.4f} mm behind the last vertex\n",
              f.focal_length, f.f_number, f.back_focus);
@@ -35,7 +40,10 @@ int report_lens(const LensArguments& a) {
   for (const LensFocus& focus : f.foci)
     fmt::print("{:10.2f} {:14.4f} {:14.4f} {:14.4f}\n", focus.nm, focus.focal_length, focus.paraxial,
                focus.best);
-  fmt::print("\nfilm {:.4f} mm behind the last vertex; distant points:\n", f.film);
+  const std::string points = std::isinf(settings.object)
+                                 ? "distant points"
+                                 : fmt::format("points at {:g} m", settings.object / 1000);
+  fmt::print("\nfilm {:.4f} mm behind the last vertex; {}:\n", f.film, points);
   fmt::print("{:>8} {:>10} {:>12} {:>12} {:>12} {:>12}\n", "degrees", "nm", "height mm", "rms um", "open",
              "transmits");
   for (const LensSpot& s : f.spots)
@@ -54,8 +62,9 @@ std::function<int()> declare_lens(CommandOptions& options) {
   auto a = std::make_shared<LensArguments>();
   options.add("file", a->file, "prescription: a table (radius, thickness, glass, diameter) or .zmx")
       .required();
-  options.add("--f-number", a->f_number, "stop down to this f-number (default: wide open)").takes(1);
-  options.add("--distance", a->distance, "distance of the object in focus in m (default: infinity)").takes(1);
+  options.add("--f-number", a->f_number, "stop down to this f-number (default: wide open)");
+  options.add("--distance", a->distance,
+              "distance of the object in focus, before the first vertex, in m (default: infinity)");
   options.add("--fields", a->fields, "angles from the axis in degrees, separated by commas")
       .separated_by(',')
       .shows_default();

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/lightfield/light_field.h"
 #include "aureole/loading/load.h"
@@ -23,19 +25,22 @@ namespace {
 struct LightFieldArguments {
   std::string target, output, field;
   std::vector<std::string> defines;
-  std::int64_t spp = -1, seed = -1;
+  std::optional<std::int64_t> spp, seed;
+  std::optional<double> focus;
   int threads = 0;
   double diameter = 0;
-  std::vector<double> at, focus;
+  std::vector<double> at;
   bool quiet = false;
 };
 
 /// Renders the light field of a scene, and says what its channels hold.
-LightField field_of_scene(const LightFieldArguments& a, std::string& meanings) {
+LightField field_of_scene(const LightFieldArguments& a, const std::vector<NamedFile>& outputs,
+                          std::string& meanings) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
+  require_files_stay(outputs, loaded);
   const Film& film = loaded.scene->film();
   LightField f;
-  f.axes = light_field_axes(loaded.scene->sensor().properties(), film.width(), film.height());
+  f.axes = light_field_axes(loaded.scene->sensor().properties(), film);
   RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
   run_to_end(job);
   f.mosaic = job.state().picture();
@@ -62,31 +67,38 @@ void write_view(const std::filesystem::path& file, const Image& picture, const s
 }
 
 int lightfield(const LightFieldArguments& a) {
-  if (a.spp == 0 || a.spp < -1)
-    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
-  const bool is_scene = std::filesystem::path(a.target).extension() == ".xml";
+  check_sampling(a.spp, a.seed, a.threads);
+  for (const double place : a.at)
+    if (!std::isfinite(place)) throw Error(fmt::format("--at: {:g} is no place", place));
+  if (a.focus && !(*a.focus > 0 && std::isfinite(*a.focus)))
+    throw Error(fmt::format("--focus {:g}: the distance of focus must be positive", *a.focus));
+  const bool is_scene = lower_extension(a.target) == ".xml";
   if (!is_scene)
-    for (const auto& [option, given] : {std::pair("--spp", a.spp != -1), std::pair("--seed", a.seed != -1),
-                                        std::pair("--field", !a.field.empty())})
-      if (given)
-        throw Error(std::string(option) + ": is for a scene, which is rendered; a light field is done");
+    refuse_options({{"--spp", a.spp.has_value()},
+                    {"--seed", a.seed.has_value()},
+                    {"--threads", a.threads != 0},
+                    {"--define", !a.defines.empty()},
+                    {"--field", !a.field.empty()}},
+                   "is for a scene, which is rendered; a light field is done");
   std::filesystem::path output = a.output;
   if (output.empty()) output = std::filesystem::path(a.target).stem().string() + "_view.png";
-  if (output.extension() != ".png" && output.extension() != ".exr")
+  if (lower_extension(output) != ".png" && lower_extension(output) != ".exr")
     throw Error("-o " + output.string() + ": the output is a .png or an .exr file");
   std::filesystem::path field_file = a.field;
   if (is_scene && field_file.empty())
     field_file = std::filesystem::path(a.target).stem().string() + "_field.exr";
-  if (is_scene && field_file.extension() != ".exr")
+  if (is_scene && lower_extension(field_file) != ".exr")
     throw Error("--field " + field_file.string() + ": the light field is an .exr file");
   require_writable(output);
   if (is_scene) require_writable(field_file);
+  std::vector<NamedFile> outputs{{"-o", output}};
+  if (is_scene) outputs.push_back({"--field", field_file});
+  require_distinct_outputs(outputs, {{"the target", a.target}});
 
   LightField field;
   std::string meanings;
   if (is_scene) {
-    field = field_of_scene(a, meanings);
+    field = field_of_scene(a, outputs, meanings);
     ExrAttributes attributes;
     attributes.strings[kChannelsAttribute] = meanings;
     attributes.strings[kLightFieldAttribute] = field.axes.text();
@@ -99,13 +111,13 @@ int lightfield(const LightFieldArguments& a) {
     field =
         light_field_of(std::move(picture), found == attributes.strings.end() ? "" : found->second, a.target);
   }
-  const double focus = a.focus.empty() ? field.axes.plane_distance : a.focus[0];
+  const double focus = a.focus.value_or(field.axes.plane_distance);
   const double x = a.at.empty() ? 0 : a.at[0], y = a.at.empty() ? 0 : a.at[1];
   if (2 * std::abs(x) > field.axes.aperture_width || 2 * std::abs(y) > field.axes.aperture_height)
     throw Error(fmt::format("--at {:g},{:g}: lies outside of the light field, which reaches to {:g},{:g}", x,
                             y, 0.5 * field.axes.aperture_width, 0.5 * field.axes.aperture_height));
   const Image picture = light_field_picture(field, x, y, a.diameter, focus);
-  if (output.extension() == ".exr")
+  if (lower_extension(output) == ".exr")
     write_view(output, picture, meanings);
   else
     write_png(output, display_picture(colors_of_view(picture)));
@@ -136,8 +148,7 @@ std::function<int()> declare_lightfield(CommandOptions& options) {
            "diameter of the synthetic aperture; 0: a new view between the four nearest")
       .between(0, 1e9)
       .shows_default();
-  options.add("--focus", a->focus, "distance of the plane in focus (default: that of the plane (u, v))")
-      .takes(1);
+  options.add("--focus", a->focus, "distance of the plane in focus (default: that of the plane (u, v))");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   add_cache_option(options);
   options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");

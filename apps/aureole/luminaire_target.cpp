@@ -3,10 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
+#include "aureole/core/output_file.h"
 #include "aureole/render/job.h"
 #include "measured_scene.h"
 #include "messages.h"
@@ -17,32 +18,71 @@ namespace aureole {
 namespace {
 
 Luminaire measure_luminaire(const LuminaireTarget& a, GoniometryOptions how) {
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  check_sampling(a.spp, a.seed, a.threads);
   GoniophotometerSettings settings;
   settings.scene = a.target, settings.defines = split_defines(a.defines), settings.integrator = a.integrator;
-  if (a.spp != -1) settings.spp = a.spp;
-  if (a.c_step != 0) settings.c_step = a.c_step;
-  if (a.gamma_step != 0) settings.gamma_step = a.gamma_step;
+  settings.spp = a.spp.value_or(settings.spp);
+  settings.c_step = a.c_step.value_or(settings.c_step);
+  settings.gamma_step = a.gamma_step.value_or(settings.gamma_step);
   if (!a.down.empty()) settings.down = a.down;
   settings.along = a.along, settings.tables = table_cache();
   const LoadedScene loaded = load_goniophotometer(settings);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   require_luminaire(*loaded.scene);
-  RenderJob job(loaded, render_options(-1, a.seed, a.threads));
+  RenderJob job(loaded, render_options({}, a.seed, a.threads));
   run_to_end(job);
   if (!a.symmetry.empty()) how.symmetry = symmetry_of(a.symmetry);
   how.keywords = measurement_keywords(settings, a.name, a.maker);
   return measured_luminaire(job.state().picture(), how);
 }
 
+Luminaire read_target(const LuminaireTarget& a, GoniometryOptions how) {
+  refuse_options({{"--spp", a.spp.has_value()},
+                  {"--seed", a.seed.has_value()},
+                  {"--threads", a.threads != 0},
+                  {"--c-step", a.c_step.has_value()},
+                  {"--gamma-step", a.gamma_step.has_value()},
+                  {"--symmetry", !a.symmetry.empty()},
+                  {"--integrator", !a.integrator.empty()},
+                  {"--down", !a.down.empty()},
+                  {"--along", !a.along.empty()},
+                  {"--define", !a.defines.empty()}},
+                 "is for a scene, which is measured; a file has its intensities");
+  const std::int64_t lamp_set = a.lamp_set.value_or(0);
+  if (lamp_set < 0 || lamp_set > 1000)
+    throw Error(fmt::format("--lamp-set {}: expected the number of a set, from 0", lamp_set));
+  if (!a.name.empty())
+    how.keywords.emplace_back("LUMINAIRE", a.name), how.keywords.emplace_back("LUMCAT", a.name);
+  if (!a.maker.empty()) how.keywords.emplace_back("MANUFAC", a.maker);
+  Luminaire l = read_changed_luminaire(a.target, std::size_t(lamp_set), how);
+  if (!a.quiet)
+    for (const std::string& note : l.notes) tell("note: {}: {}\n", a.target, note);
+  return l;
+}
+
+void require_luminaire_outputs(const LuminaireTarget& a) {
+  for (const std::string& output : a.outputs)
+    if (!is_luminaire_file(output)) throw Error("-o " + output + ": the output is an .ies or an .ldt file");
+  if (a.outputs.empty())
+    refuse_options(
+        {{"--watts", a.watts.has_value()}, {"--name", !a.name.empty()}, {"--maker", !a.maker.empty()}},
+        "is for the file that is written: give -o");
+  for (const auto& [option, text] : {std::pair("--name", a.name), std::pair("--maker", a.maker)})
+    if (text.find_first_of("\r\n") != text.npos)
+      throw Error(std::string(option) + ": has more than one line, of which the files hold one");
+}
+
 }  // namespace
 
 bool is_luminaire_file(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string extension = lower_extension(file);
   return extension == ".ies" || extension == ".ldt";
+}
+
+void write_luminaire(const std::filesystem::path& file, const Luminaire& luminaire) {
+  write_file_atomically(file,
+                        lower_extension(file) == ".ldt" ? eulumdat_text(luminaire) : ies_text(luminaire));
 }
 
 bool LuminaireTarget::is_file() const { return is_luminaire_file(target); }
@@ -81,40 +121,27 @@ void add_luminaire_target(CommandOptions& options, LuminaireTarget& t) {
       .takes(3);
   options.add("--name", t.name, "name of the luminaire, for the file that is written");
   options.add("--maker", t.maker, "name of the maker, for the file that is written");
+  options.add("-o,--output", t.outputs, "write the luminaire to this .ies or .ldt file; may be repeated")
+      .takes_each_time(1)
+      .names_output();
 }
 
 Luminaire luminaire_of(const LuminaireTarget& a) {
+  require_luminaire_outputs(a);
   for (const auto& [option, value] :
        {std::pair("--flux", a.flux), std::pair("--lamp-flux", a.lamp_flux), std::pair("--watts", a.watts)})
-    if (!(value >= 0 && std::isfinite(value)))
-      throw Error(fmt::format("{} {:g}: must be positive", option, value));
+    if (value && !(*value > 0 && std::isfinite(*value)))
+      throw Error(fmt::format("{} {:g}: must be positive", option, *value));
   for (const double size : a.opening)
     if (!(size >= 0 && size < 1e4)) throw Error(fmt::format("--opening: {:g} m is no size", size));
   GoniometryOptions how;
-  how.flux = a.flux, how.lamp_flux = a.lamp_flux, how.watts = a.watts;
-  if (!a.opening.empty()) how.opening.size_m = {a.opening[0], a.opening[1], a.opening[2]};
-  if (!a.is_file()) {
-    if (a.lamp_set != -1)
-      throw Error("--lamp-set: is for an EULUMDAT file; the lamps of a scene are in the scene");
-    return measure_luminaire(a, how);
-  }
-  for (const auto& [option, given] :
-       {std::pair("--spp", a.spp != -1), std::pair("--seed", a.seed != -1),
-        std::pair("--threads", a.threads != 0), std::pair("--c-step", a.c_step != 0),
-        std::pair("--gamma-step", a.gamma_step != 0), std::pair("--symmetry", !a.symmetry.empty()),
-        std::pair("--integrator", !a.integrator.empty()), std::pair("--down", !a.down.empty()),
-        std::pair("--along", !a.along.empty()), std::pair("--define", !a.defines.empty())})
-    if (given)
-      throw Error(std::string(option) + ": is for a scene, which is measured; a file has its intensities");
-  if (a.lamp_set < -1 || a.lamp_set > 1000)
-    throw Error(fmt::format("--lamp-set {}: expected the number of a set, from 0", a.lamp_set));
-  if (!a.name.empty())
-    how.keywords.emplace_back("LUMINAIRE", a.name), how.keywords.emplace_back("LUMCAT", a.name);
-  if (!a.maker.empty()) how.keywords.emplace_back("MANUFAC", a.maker);
-  Luminaire l = read_changed_luminaire(a.target, std::size_t(std::max<std::int64_t>(a.lamp_set, 0)), how);
-  if (!a.quiet)
-    for (const std::string& note : l.notes) tell("note: {}: {}\n", a.target, note);
-  return l;
+  how.flux = a.flux.value_or(0), how.lamp_flux = a.lamp_flux.value_or(0), how.watts = a.watts.value_or(0);
+  if (!a.opening.empty()) how.opening = LuminousOpening{.size_m = {a.opening[0], a.opening[1], a.opening[2]}};
+  if (!a.is_file() && a.lamp_set)
+    throw Error("--lamp-set: is for an EULUMDAT file; the lamps of a scene are in the scene");
+  Luminaire luminaire = a.is_file() ? read_target(a, how) : measure_luminaire(a, how);
+  for (const std::string& output : a.outputs) write_luminaire(output, luminaire);
+  return luminaire;
 }
 
 }  // namespace aureole

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "measured_scene.h"
 
+#include <fmt/format.h>
+
 #include "aureole/core/error.h"
 #include "interruption.h"
 #include "messages.h"
@@ -16,12 +18,33 @@ LoadedScene load_measured_scene(const std::string& file, const std::vector<std::
   return loaded;
 }
 
-RenderOptions render_options(std::int64_t spp, std::int64_t seed, int threads) {
+void check_sampling(const std::optional<std::int64_t>& spp, const std::optional<std::int64_t>& seed,
+                    int threads) {
+  if (spp && *spp < 1) throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", *spp));
+  if (seed && *seed < 0) throw Error(fmt::format("--seed {}: must not be negative", *seed));
+  if (threads < 0 || threads > 4096)
+    throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", threads));
+}
+
+RenderOptions render_options(const std::optional<std::int64_t>& spp, const std::optional<std::int64_t>& seed,
+                             int threads) {
+  check_sampling(spp, seed, threads);
   RenderOptions options;
-  if (spp > 0) options.end = spp;
-  if (seed >= 0) options.seed = std::uint64_t(seed);
+  if (spp) options.end = *spp;
+  if (seed) options.seed = std::uint64_t(*seed);
   options.threads = threads;
   return options;
+}
+
+void refuse_options(std::initializer_list<std::pair<const char*, bool>> given, const std::string& reason) {
+  for (const auto& [option, is_given] : given)
+    if (is_given) throw Error(std::string(option) + ": " + reason);
+}
+
+void require_files_stay(const std::vector<NamedFile>& outputs, const LoadedScene& loaded) {
+  std::vector<NamedFile> inputs;
+  for (const std::filesystem::path& file : loaded.files) inputs.push_back({"a file of the scene", file});
+  require_distinct_outputs(outputs, inputs);
 }
 
 void run_to_end(RenderJob& job) {

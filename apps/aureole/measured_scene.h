@@ -3,11 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aureole/loading/load.h"
 #include "aureole/render/job.h"
+#include "command.h"
 
 namespace aureole {
 
@@ -15,8 +19,20 @@ namespace aureole {
 LoadedScene load_measured_scene(const std::string& file, const std::vector<std::string>& defines,
                                 bool is_quiet);
 
-/// Options of a job by the options of a command: -1 samples per pixel or seed stand for those of the scene, 0 threads for all.
-RenderOptions render_options(std::int64_t spp, std::int64_t seed, int threads);
+/// Throws Error for values of --spp, --seed and --threads that no job takes; commands call it before they load a scene.
+void check_sampling(const std::optional<std::int64_t>& spp, const std::optional<std::int64_t>& seed,
+                    int threads);
+
+/// Options of a job by the options of a command: without samples per pixel or a seed those of the scene, with 0 threads all
+/// cores. Throws Error as `check_sampling` does.
+RenderOptions render_options(const std::optional<std::int64_t>& spp, const std::optional<std::int64_t>& seed,
+                             int threads);
+
+/// Throws Error for the first option that is given, with the reason why it does not apply to the command's target.
+void refuse_options(std::initializer_list<std::pair<const char*, bool>> given, const std::string& reason);
+
+/// Throws Error where an output would replace a file that the scene names, such as the .png beside an .exr a texture.
+void require_files_stay(const std::vector<NamedFile>& outputs, const LoadedScene& loaded);
 
 /// Runs a job to its end and prints how many samples were invalid. Throws Error where the user interrupts it.
 void run_to_end(RenderJob& job);

@@ -97,12 +97,13 @@ int medium(const MediumOptions& o) {
   const Vec3 along{float(o.along[0]), float(o.along[1]), float(o.along[2])};
   if (!(length_squared(along) > 0)) throw Error("--along: the direction has no length");
   const Vec3 d = normalize(along);
-  const auto [file, id] = file_and_id(o.target);
+  const auto target = file_and_id(o.target);
+  const std::string &file = target.first, &id = target.second;
   LoadOptions load = load_options(o.defines);
   const LoadedObjects loaded = [&] {
     TableProgressLine line(false);
     load.progress = [&](const std::string& object, double part) { line.show(object, part); };
-    return load_objects(file, load);
+    return load_wanted_objects(file, load, is_medium_called(id));
   }();
   for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const MediumPtr found = find_medium(loaded, file, id);

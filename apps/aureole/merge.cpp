@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/render/output.h"
 #include "aureole/render/state.h"
@@ -16,7 +17,7 @@ namespace {
 std::string where_state_is(const std::filesystem::path& given) {
   std::filesystem::path picture = given;
   if (picture.extension() == ".state") picture.replace_extension();
-  const std::string extension = picture.extension();
+  const std::string extension = lower_extension(picture);
   if (extension != ".exr" && extension != ".hdr" && extension != ".rgbe" && extension != ".pfm") return "";
   const auto state = std::filesystem::path(picture).replace_extension(".state");
   std::error_code ignored;
@@ -28,7 +29,8 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
           const std::string& tonemap) {
   std::optional<Tone> tone;
   if (!tonemap.empty()) tone = Tone::parse(tonemap);
-  if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file");
+  if (lower_extension(output) != ".exr")
+    throw Error("-o " + output.string() + ": the output is an .exr file");
   const OutputLock lock(output);
   require_writable(output);
   const auto state_file = std::filesystem::path(output).replace_extension(".state");

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/photometry/photometric_picture.h"
 #include "aureole/loading/load.h"
@@ -24,16 +26,12 @@ namespace {
 struct PhotometryArguments {
   std::string target, output, scene, csv;
   std::vector<std::string> defines;
-  std::int64_t spp = -1, seed = -1;
+  std::optional<std::int64_t> spp, seed;
   int threads = 0;
   bool glare = false, daylight = false, logarithmic = false, quiet = false;
-  double threshold = 0;
-  std::vector<double> min, max, up, isolines, regions;
+  std::optional<double> threshold, min, max;
+  std::vector<double> up, isolines, regions;
 };
-
-std::optional<double> only(const std::vector<double>& values) {
-  return values.empty() ? std::nullopt : std::optional(values[0]);
-}
 
 /// A map, and the scene that it shows, if that is known.
 struct MapOfScene {
@@ -41,8 +39,10 @@ struct MapOfScene {
   std::shared_ptr<const Scene> scene;
 };
 
-MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file) {
+MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file,
+                        const std::vector<NamedFile>& outputs) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
+  require_files_stay(outputs, loaded);
   const std::vector<std::string> names = loaded.scene->film().channel_names();
   const std::string meanings = channels_attribute(names, loaded.scene->film().channel_meanings());
   // The unit is checked before the picture is rendered.
@@ -56,8 +56,6 @@ MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::pat
 }
 
 MapOfScene map_of_picture(const PhotometryArguments& a) {
-  for (const auto& [option, given] : {std::pair("--spp", a.spp != -1), std::pair("--seed", a.seed != -1)})
-    if (given) throw Error(std::string(option) + ": is for a scene, which is rendered; a picture is done");
   ExrAttributes attributes;
   const Image picture = read_picture(a.target, &attributes);
   const auto found = attributes.strings.find(kChannelsAttribute);
@@ -66,10 +64,11 @@ MapOfScene map_of_picture(const PhotometryArguments& a) {
   if (a.scene.empty()) return result;
   LoadOptions load = load_options(a.defines);
   result.scene = load_scene(a.scene, load).scene;
-  const Film& film = result.scene->film();
-  if (film.width() != picture.width || film.height() != picture.height)
-    throw Error(fmt::format("--scene {}: its film has {} x {} pixels, the picture {} x {}", a.scene,
-                            film.width(), film.height(), picture.width, picture.height));
+  try {
+    place_on_film(result.scene->film(), picture.width, picture.height);
+  } catch (const Error& e) {
+    throw Error("--scene " + a.scene + ": " + e.message());
+  }
   return result;
 }
 
@@ -103,14 +102,24 @@ std::string csv_text(const PhotometricMap& map) {
 }
 
 int photometry(const PhotometryArguments& a) {
-  if (a.spp == 0 || a.spp < -1)
-    throw Error(fmt::format("--spp {}: at least one sample per cell is needed", a.spp));
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  check_sampling(a.spp, a.seed, a.threads);
   if (a.regions.size() % 4 != 0) throw Error("--region: expected X,Y,WIDTH,HEIGHT in cells");
   for (const double cell : a.regions)
     if (!(cell >= 0 && cell < 1e6 && cell == std::floor(cell)))
       throw Error(fmt::format("--region: {:g} is no number of cells", cell));
-  const bool is_scene = std::filesystem::path(a.target).extension() == ".xml";
+  for (const double value : a.isolines)
+    if (!std::isfinite(value)) throw Error(fmt::format("--isolines: {:g} is no value of an isoline", value));
+  if (a.threshold && !(*a.threshold > 0))
+    throw Error(fmt::format("--threshold {:g}: must be positive, in cd/m^2", *a.threshold));
+  const bool is_scene = lower_extension(a.target) == ".xml";
+  if (!is_scene)
+    refuse_options({{"--spp", a.spp.has_value()},
+                    {"--seed", a.seed.has_value()},
+                    {"--threads", a.threads != 0},
+                    {"--define", !a.defines.empty() && a.scene.empty()}},
+                   "is for a scene, which is rendered; a picture is done");
+  refuse_options({{"--threshold", a.threshold && !a.glare}}, "is for --glare");
+  refuse_options({{"--up", !a.up.empty() && !a.glare && !a.daylight}}, "is for --glare and --daylight");
   if (is_scene && !a.scene.empty())
     throw Error("--scene: is the scene of a picture; the target is a scene itself");
   if (!is_scene && a.scene.empty())
@@ -119,17 +128,23 @@ int photometry(const PhotometryArguments& a) {
         throw Error(std::string(option) + ": needs the camera and the sky of the picture: give its --scene");
   std::filesystem::path png = a.output;
   if (png.empty()) png = std::filesystem::path(a.target).stem().string() + "_photometry.png";
-  if (png.extension() != ".png")
+  if (lower_extension(png) != ".png")
     throw Error("-o " + png.string() + ": the output is a .png file (an .exr is written beside it)");
   const std::filesystem::path exr = std::filesystem::path(png).replace_extension(".exr");
   require_writable(png);
   if (is_scene) require_writable(exr);
+  std::vector<NamedFile> outputs{{"-o", png}};
+  if (is_scene) outputs.push_back({"the picture of -o", exr});
+  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  std::vector<NamedFile> inputs{{"the target", a.target}};
+  if (!a.scene.empty()) inputs.push_back({"--scene", a.scene});
+  require_distinct_outputs(outputs, inputs);
   Vec3 up{0, 0, 1};
   if (!a.up.empty()) up = {float(a.up[0]), float(a.up[1]), float(a.up[2])};
   if (!(length_squared(up) > 0)) throw Error("--up: is no direction");
   up = normalize(up);
 
-  MapOfScene found = is_scene ? map_of_scene(a, exr) : map_of_picture(a);
+  MapOfScene found = is_scene ? map_of_scene(a, exr, outputs) : map_of_picture(a);
   PhotometricMap& map = found.map;
   if (found.scene) map.areas = cell_areas(found.scene->sensor(), map.width, map.height);
   if (a.daylight) {
@@ -142,7 +157,7 @@ int photometry(const PhotometryArguments& a) {
     map.quantity = "daylight factor", map.unit = "%";
   }
 
-  const ColorScale scale = map_scale(map, only(a.min), only(a.max), a.logarithmic, a.isolines);
+  const ColorScale scale = map_scale(map, a.min, a.max, a.logarithmic, a.isolines);
   std::vector<MapRegion> regions;
   for (std::size_t i = 0; i + 3 < a.regions.size(); i += 4)
     regions.push_back(
@@ -151,7 +166,7 @@ int photometry(const PhotometryArguments& a) {
   std::vector<MapStatistics> statistics;
   for (const MapRegion& r : regions) statistics.push_back(map_statistics(map, r));
   std::optional<PictureGlare> glare;
-  if (a.glare) glare = picture_glare(map, found.scene->sensor(), up, a.threshold);
+  if (a.glare) glare = picture_glare(map, found.scene->sensor(), up, a.threshold.value_or(0));
   write_png(png, false_color_picture(map.values, map.width, map.height, scale));
   if (!a.csv.empty()) write_file_atomically(a.csv, csv_text(map));
 
@@ -198,9 +213,8 @@ std::function<int()> declare_photometry(CommandOptions& options) {
   options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores)");
-  options.add("--min", a->min, "lower limit of the colours (default: 0, or by the values with --log)")
-      .takes(1);
-  options.add("--max", a->max, "upper limit of the colours (default: by the values)").takes(1);
+  options.add("--min", a->min, "lower limit of the colours (default: 0, or by the values with --log)");
+  options.add("--max", a->max, "upper limit of the colours (default: by the values)");
   options.add("--log", a->logarithmic, "logarithmic scale of the colours");
   options
       .add("--isolines", a->isolines, "values of isolines, separated by commas (default: those of the scale)")

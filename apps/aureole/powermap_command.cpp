@@ -7,9 +7,10 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <limits>
+#include <optional>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/version.h"
 #include "aureole/instrument/radio/power_map.h"
@@ -17,6 +18,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "command.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "picture_file.h"
 #include "scene_loading.h"
@@ -27,17 +29,14 @@ namespace {
 std::atomic<bool> stop_requested{false};
 extern "C" void stop_map(int) { stop_requested = true; }
 
-constexpr int kNotGiven = std::numeric_limits<int>::min();
-
 struct Arguments {
   PowerMapSettings settings;
   std::string output, power, show;
   std::vector<std::string> defines;
-  std::int64_t spp = -1, seed = -1;
+  std::optional<std::int64_t> spp, seed;
   int threads = 0, replicates = 1;
   double time_s = 0;
-  std::vector<double> min_db, max_db;  // one number each, or none
-  int max_depth = kNotGiven;
+  std::optional<double> min_db, max_db;
   bool quiet = false;
 };
 
@@ -74,25 +73,19 @@ void print_map(const PowerMap& map) {
   fmt::print("\n");
 }
 
-/// Returns the colour limit that an option gives.
-std::optional<double> end_of_colours(const char* option, const std::vector<double>& given) {
-  if (given.empty()) return {};
-  if (!(std::abs(given[0]) <= DecibelScale::kWidest))
-    throw Error(fmt::format("{} {}: must be between -{} and {} dB", option, given[0], DecibelScale::kWidest,
+/// Throws Error for a limit of the colours that no scale has.
+void require_limit(const char* option, const std::optional<double>& given) {
+  if (given && !(std::abs(*given) <= DecibelScale::kWidest))
+    throw Error(fmt::format("{} {}: must be between -{} and {} dB", option, *given, DecibelScale::kWidest,
                             DecibelScale::kWidest));
-  return given[0];
 }
 
 int powermap(const Arguments& a) {
-  if (a.spp == 0 || a.spp < -1)
-    throw Error(fmt::format("--spp {}: at least one sample per cell is needed", a.spp));
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  check_sampling(a.spp, a.seed, a.threads);
   if (a.replicates < 1) throw Error(fmt::format("--replicates {}: must be at least 1", a.replicates));
-  if (a.threads < 0 || a.threads > 4096)
-    throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
-  const std::optional<double> min_db = end_of_colours("--min-db", a.min_db),
-                              max_db = end_of_colours("--max-db", a.max_db);
+  const std::optional<double>&min_db = a.min_db, &max_db = a.max_db;
+  require_limit("--min-db", min_db), require_limit("--max-db", max_db);
   if (min_db && max_db && *min_db >= *max_db)
     throw Error(fmt::format("--min-db {}: must be less than --max-db, {}", *min_db, *max_db));
   if (min_db && max_db && *max_db - *min_db > DecibelScale::kWidest)
@@ -106,27 +99,26 @@ int powermap(const Arguments& a) {
   }
   std::filesystem::path output = a.output;
   if (output.empty()) output = default_output(a.settings.scene, ".exr");
-  if (output.extension() != ".exr")
+  if (lower_extension(output) != ".exr")
     throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
   const std::filesystem::path png = std::filesystem::path(output).replace_extension(".png");
   const OutputLock lock(output);
   require_writable(output);
   require_writable(png);
+  require_distinct_outputs({{"-o", output}, {"the picture of -o", png}}, {{"the scene", a.settings.scene}});
 
   PowerMapSettings settings = a.settings;
   settings.defines = split_defines(a.defines);
-  if (a.max_depth != kNotGiven) settings.max_depth = a.max_depth;
   settings.tables = table_cache();
   const LoadedScene loaded = load_power_map(settings);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   if (!a.quiet)
     for (const auto& note : power_map_notes(settings, loaded)) tell("note: {}\n", note);
+  require_files_stay({{"-o", output}, {"the picture of -o", png}}, loaded);
   require_power_map(*loaded.scene);
-  RenderOptions options;
-  if (a.spp > 0) options.end = a.spp;
-  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
-  options.threads = a.threads, options.replicates = a.replicates, options.time_limit_s = a.time_s;
+  RenderOptions options = render_options(a.spp, a.seed, a.threads);
+  options.replicates = a.replicates, options.time_limit_s = a.time_s;
   RenderJob job(loaded, options);
   std::signal(SIGINT, stop_map);
   if (job.run(stop_requested) == RenderJob::Outcome::interrupted) {
@@ -189,7 +181,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--replicates", a->replicates,
               "number of independent maps; stores their mean and its standard error in dB");
   options.add("--integrator", a->settings.integrator, "replace the scene's integrator: ptracer, path, bdpt");
-  options.add("--max-depth", a->max_depth, "replace the integrator's max_depth");
+  options.add("--max-depth", a->settings.max_depth, "replace the integrator's max_depth");
   options.add("--diffraction", a->settings.diffraction, "edges of shapes diffract");
   options
       .add(
@@ -227,11 +219,9 @@ std::function<int()> declare(CommandOptions& options) {
       "total power of all emitters in the band, \"2W\", \"500mW\" or \"33dBm\" (default: the scene's)");
   options.add("--show", a->show, "quantity of the PNG (default: dBm with --power, else relative)")
       .one_of({"relative", "dBm"});
-  options.add("--min-db", a->min_db, "lower limit of the PNG's colours [dB] (default: by the values)")
-      .takes(1);
-  options
-      .add("--max-db", a->max_db, "upper limit of the PNG's colours [dB], at most 1000 above the lower one")
-      .takes(1);
+  options.add("--min-db", a->min_db, "lower limit of the PNG's colours [dB] (default: by the values)");
+  options.add("--max-db", a->max_db,
+              "upper limit of the PNG's colours [dB], at most 1000 above the lower one");
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return powermap(*a); };
 }

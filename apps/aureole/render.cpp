@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
 #include "aureole/core/workers.h"
@@ -21,6 +22,7 @@
 #include "aureole/render/plan.h"
 #include "aureole/render/sample_density.h"
 #include "command.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "package_command.h"
 #include "picture_file.h"
@@ -48,7 +50,7 @@ struct Arguments {
     }
   }
   std::vector<std::string> defines;
-  std::int64_t spp = -1, seed = -1;
+  std::optional<std::int64_t> spp, seed;
   int threads = 0, replicates = 1;
   double time_s = 0, checkpoint_s = 30;
   bool resume = false, restart = false, preview = false, quiet = false, denoise = false;
@@ -209,12 +211,8 @@ int replay_pixel(const RenderJob& job, const Film& film, const Arguments& a, con
 }
 
 void check_numbers(const Arguments& a) {
-  if (a.spp == 0 || a.spp < -1)
-    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
-  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  check_sampling(a.spp, a.seed, a.threads);
   if (a.replicates < 1) throw Error(fmt::format("--replicates {}: must be at least 1", a.replicates));
-  if (a.threads < 0 || a.threads > 4096)
-    throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
   a.tone();
   if (a.denoise && !a.pixel.empty()) throw Error("give either --denoise or --pixel");
@@ -229,7 +227,7 @@ void check_numbers(const Arguments& a) {
 void require_output(const Arguments& a, const std::filesystem::path& output,
                     std::optional<OutputLock>& lock) {
   for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
-    if (output.extension() == extension) {
+    if (lower_extension(output) == extension) {
       if (!a.pixel.empty()) return;
       lock.emplace(output);
       require_writable(output);
@@ -249,15 +247,15 @@ void note_missing_threads(const Arguments& a) {
 
 RenderOptions render_options(const Arguments& a) {
   RenderOptions options;
-  if (a.spp > 0) options.end = a.spp;
-  if (!a.samples.empty() && a.spp > 0) throw Error("give either --spp or --samples");
+  if (a.spp) options.end = *a.spp;
+  if (!a.samples.empty() && a.spp) throw Error("give either --spp or --samples");
   if (a.resume && a.restart) throw Error("give either --resume or --restart");
   if (!a.samples.empty()) {
     const auto [first, last] = parse_pair(a.samples, ':', "--samples");
     options.begin = first, options.end = last;
     options.keep_state = true;
   }
-  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
+  if (a.seed) options.seed = std::uint64_t(*a.seed);
   if (!a.adaptive.empty()) options.adaptive = adaptive_target(a.adaptive);
   options.threads = a.threads;
   options.replicates = a.replicates;
@@ -367,7 +365,7 @@ constexpr const char* kDenoiseModule = "_denoise_command";
 
 /// Throws Error before anything is rendered if the picture could not be denoised.
 void require_denoiser(const std::filesystem::path& output) {
-  if (output.extension() != ".exr")
+  if (lower_extension(output) != ".exr")
     throw Error("-o " + output.string() +
                 ": with --denoise the output is an .exr, which keeps both pictures");
   if (run_in_package(kDenoiseModule, {"--check"}) != 0)
@@ -435,6 +433,11 @@ int render(const Arguments& a) {
     require_output(a, output, lock);
   }
   options.state_file = std::filesystem::path(output).replace_extension(".state");
+  if (a.pixel.empty())
+    require_files_stay({{"-o", output},
+                        {"the preview of -o", std::filesystem::path(output).replace_extension(".png")},
+                        {"the checkpoint of -o", options.state_file}},
+                       loaded);
   if (!a.quiet) print_notes(loaded);
   if (a.denoise) {
     require_denoiser(output);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "command.h"
 #include "interruption.h"
 #include "laboratory_options.h"
+#include "measured_scene.h"
 #include "messages.h"
 #include "scene_loading.h"
 
@@ -31,6 +33,7 @@ struct SpectrophotometerOptions {
   std::vector<std::string> defines, outputs;
   std::vector<double> range{400, 700}, gloss;
   double step = 10, bandwidth = 0, haze = 0;
+  std::optional<double> lamp_angle;
   bool transmission = false, theory = false, correct = false, is_quiet = false;
   SpectrophotometerSettings settings;
   TraceSettings trace;
@@ -92,8 +95,8 @@ void note_unused(const SpectrophotometerOptions& o) {
     const std::string beside = "beside --haze and --gloss, whose geometries are those of their standards";
     note(o.geometry != "45a:0", "--geometry", beside), note(o.transmission, "--transmission", beside);
     note(s.specular_angle > 0, "--specular-port", beside), note(s.azimuth != 0, "--azimuth", beside);
-    note(o.correct, "--correct-bandwidth", beside);
     if (o.haze > 0) return;
+    note(o.correct, "--correct-bandwidth", "beside --gloss");
   }
   if (s.geometry.has_sphere() && o.gloss.empty()) return;
   const std::string without =
@@ -104,13 +107,24 @@ void note_unused(const SpectrophotometerOptions& o) {
     note(s.specular_angle > 0, "--specular-port", without);
     return;
   }
-  note(s.lamp_angle != usual.lamp_angle, "--lamp-angle", without);
+  note(o.lamp_angle.has_value(), "--lamp-angle", without);
   note(s.detector_angle != usual.detector_angle, "--detector-angle", without);
   note(s.standard != usual.standard, "--standard", "beside --gloss, whose standard is black glass");
 }
 
+/// Replaces the beam, and the viewed area, by what the options state. An area that is not stated beside another one is the usual one.
+void set_beam(const SpectrophotometerOptions& o, SpectrophotometerSettings& s) {
+  s.lamp_angle = o.lamp_angle.value_or(s.lamp_angle);
+  if (o.aperture.empty() && o.lit.empty()) return;
+  s.viewed_m = SpectrophotometerSettings{}.viewed_m;
+  set_length("--aperture", o.aperture, s.viewed_m);
+  s.lit_m = s.viewed_m + 4e-3;
+  set_length("--lit", o.lit, s.lit_m);
+}
+
 int spectrophotometer(SpectrophotometerOptions o) {
-  for (const std::string& output : o.outputs) require_spectrum_file(output), require_writable(output);
+  for (const std::string& output : o.outputs) require_spectrum_file(output);
+  check_sampling({}, {}, o.trace.threads);
   SpectrophotometerSettings& s = o.settings;
   s.geometry = measuring_geometry(o.geometry, o.transmission);
   s.by_theory = o.theory, s.correct_bandwidth = o.correct;
@@ -118,9 +132,8 @@ int spectrophotometer(SpectrophotometerOptions o) {
     s.method = o.method == "substitution" ? SpectrophotometerSettings::Method::substitution
                : o.method == "absolute"   ? SpectrophotometerSettings::Method::absolute
                                           : SpectrophotometerSettings::Method::comparison;
-  set_length("--aperture", o.aperture, s.viewed_m);
-  s.lit_m = s.viewed_m + 4e-3;
-  set_length("--lit", o.lit, s.lit_m), set_length("--sample-size", o.sample, s.sample_m);
+  set_beam(o, s);
+  set_length("--sample-size", o.sample, s.sample_m);
   set_length("--sphere", o.sphere, s.sphere_m), set_length("--port", o.port, s.port_m);
   double thickness = 0;
   set_length("--thickness", o.thickness, thickness);
@@ -148,7 +161,9 @@ int spectrophotometer(SpectrophotometerOptions o) {
       out["gloss"][fmt::format("{:g}", angle)] = {{"units", g.value}, {"error", g.error}};
     }
     if (o.haze > 0) {
-      const Haze h = measure_haze(bench, loaded.specimen, s, o.haze, weights);
+      SpectrophotometerSettings of_haze = s;
+      use_beam_of_haze(of_haze), set_beam(o, of_haze);
+      const Haze h = measure_haze(bench, loaded.specimen, of_haze, o.haze, weights);
       fmt::print(
           "total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}, sphere {}\n",
           h.total, h.total_error, o.haze, h.haze, h.haze_error, s.by_theory ? "by theory" : "traced");
@@ -206,8 +221,8 @@ std::function<int()> declare_spectrophotometer(CommandOptions& options) {
       .between(0.01, 1e9);
   options.add("--correct-bandwidth", o->correct,
               "subtract the effect of the bandwidth (Stearns and Stearns 1988)");
-  options.add("--aperture", o->aperture, "diameter of the viewed area (default 8mm)");
-  options.add("--lit", o->lit, "diameter of the area that a beam lights (default: 4mm more)");
+  options.add("--aperture", o->aperture, "diameter of the viewed area (default 8mm; of --haze 2mm)");
+  options.add("--lit", o->lit, "diameter of the area that a beam lights (default: 4mm more; of --haze 2mm)");
   options.add("--sample-size", o->sample, "extent of the sample (default 60mm)");
   options.add("--thickness", o->thickness, "thickness of the slab (default: the shape's smallest extent)");
   options.add("--sphere", o->sphere, "diameter of the sphere (default 150mm)");
@@ -217,9 +232,9 @@ std::function<int()> declare_spectrophotometer(CommandOptions& options) {
       .add("--specular-port", s.specular_angle,
            "half-angle of the specular port in degrees (default: as the mirrored beam needs)")
       .between(0.1, 20);
-  options
-      .add("--lamp-angle", s.lamp_angle, "half of the angle under which the sample sees the lamp, in degrees")
-      .shows_default();
+  options.add(
+      "--lamp-angle", o->lamp_angle,
+      "half of the angle under which the sample sees the lamp, in degrees (default 3.5; of --haze 0.1)");
   options
       .add("--detector-angle", s.detector_angle,
            "half of the angle under which it sees the detector, in degrees")
@@ -247,7 +262,8 @@ std::function<int()> declare_spectrophotometer(CommandOptions& options) {
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   add_cache_option(options);
   options.add("-o,--output", o->outputs, "write this .csv, .cxf (CxF 3) or .cgats file; may be repeated")
-      .takes_each_time(1);
+      .takes_each_time(1)
+      .names_output();
   options.add("--name", o->name, "name of the sample in files (default: the id)");
   options.add("--json", o->json, "write values and uncertainties by cause to this file").names_output();
   options.add("--plot", o->plot, "write the spectrum to this SVG file").names_output();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
@@ -110,17 +111,43 @@ std::string plot_of_ratings(const UgrArguments& a, const UgrTable& t) {
   return svg_plot(plot);
 }
 
+/// Throws Error unless --opening states a luminous opening, which no scene has, with an area towards an observer below it.
+void require_luminous_area(const UgrArguments& a) {
+  if (a.opening.empty())
+    throw Error(
+        "--opening: is needed for a scene: the size of the luminous opening, by which the luminance is reckoned");
+  const LuminousOpening opening{.size_m = {a.opening[0], a.opening[1], a.opening[2]}};
+  if (!(projected_area(opening, {1, 1, 1}) > 0))
+    throw Error(fmt::format("--opening {:g} {:g} {:g}: has no area, by which the luminance is reckoned",
+                            a.opening[0], a.opening[1], a.opening[2]));
+}
+
+/// Keeps the luminaire of a scene, whose measurement took long, when the table is interrupted. Returns where it is, for a message.
+std::string where_the_luminaire_is(const UgrArguments& a, const Luminaire& luminaire) {
+  if (a.is_file()) return "";
+  const std::string file =
+      a.outputs.empty() ? std::filesystem::path(a.target).stem().string() + "_measured.ies" : a.outputs[0];
+  if (a.outputs.empty()) write_luminaire(file, luminaire);
+  return "; " + file + " is the measured luminaire, which aureole ugr reads";
+}
+
 int ugr(const UgrArguments& a) {
-  for (const std::string& output : {a.csv, a.plot})
-    if (!output.empty()) require_writable(output);
   UgrOptions options;
   options.spacing = a.spacing;
   if (a.background == "patches") options.background = UgrOptions::Background::patches;
+  // Wrong options are reported before a scene is measured.
+  require_ugr_spacing(options.spacing);
+  if (!a.is_file()) require_luminous_area(a);
   const Luminaire luminaire = luminaire_of(a);
+  const std::atomic<bool>& stop = stop_on_interrupt();
+  options.between = [&] {
+    if (stop) throw Error("interrupted: no table is written" + where_the_luminaire_is(a, luminaire));
+  };
   UgrTable table;
   try {
     table = ugr_table(luminaire, options);
   } catch (const Error& e) {
+    if (is_interrupted()) throw;
     const std::string message = e.what();
     throw Error(message.starts_with("--") ? message : a.target + ": " + message);
   }

@@ -50,7 +50,7 @@ def _render(a: Any) -> int:
     from ._scene import load_file
 
     output = a.output or os.path.splitext(os.path.basename(a.scene))[0] + ".exr"
-    if not output.endswith(".exr"):
+    if not output.lower().endswith(".exr"):
         raise Error(f"-o {output}: the output is an .exr file (a .png is written beside it)")
     for name, number in (("--local", a.local), ("--wait", a.wait)):
         if number is not None and not 1 <= number <= 100000:

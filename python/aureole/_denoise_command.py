@@ -57,13 +57,13 @@ def _denoise(a: Any) -> int:
     from ._render import render
     from ._scene import load_file, load_string
 
-    if not a.output.endswith(".exr"):
+    if not a.output.lower().endswith(".exr"):
         raise Error(f"-o {a.output}: the output is an .exr file (a .png is written beside it)")
     defines = defines_of(a.define)
     if a.cache is not None:
         cache.use(a.cache)
     scene = None
-    if a.input.endswith(".xml"):
+    if a.input.lower().endswith(".xml"):
         if a.scene:
             raise Error("--scene: is for an EXR; a scene is its own")
         root = ElementTree.fromstring(load_file(a.input, **defines).xml())

@@ -472,7 +472,7 @@ def goniometer(
     options["directions"] = integer("directions", directions, minimum=1, maximum=100000)
     options["transmission"] = flag("transmission", transmission)
     where = target_of(target)
-    is_table = isinstance(where, str) and "#" not in where and where.endswith(".csv")
+    is_table = isinstance(where, str) and "#" not in where and where.lower().endswith(".csv")
     with Words():
         found = _aureole.goniometer_table(where) if is_table else _aureole.goniometer(where, defines_of(defines), options)
     tell(found["notes"])

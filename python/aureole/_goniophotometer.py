@@ -140,6 +140,11 @@ class LuminaireData(Table):
         return f"{self.name}: {self.standard}, type {self.type}\n{self.balance}\nlargest intensity {self.peak:.6g} cd"
 
 
+def is_luminaire_file(target: "str | os.PathLike[str]") -> bool:
+    """Whether the name of a file ends with .ies or .ldt."""
+    return os.path.splitext(file_path("target", target))[1].lower() in (".ies", ".ldt")
+
+
 def goniophotometer(
     target: "str | os.PathLike[str]",
     spp: Optional[int] = None,
@@ -153,7 +158,7 @@ def goniophotometer(
     lamp_flux: float = 0.0,
     lamp_set: int = 0,
     watts: float = 0.0,
-    opening: Sequence[float] = (0.0, 0.0, 0.0),
+    opening: Optional[Sequence[float]] = None,
     name: str = "",
     maker: str = "",
     integrator: str = "",
@@ -184,7 +189,8 @@ def goniophotometer(
     watts : float
         Electrical power for the file.
     opening : (float, float, float)
-        Luminous opening along, across and high in m, of a measurement or in the place of a file's.
+        Luminous opening along, across and high in m, of a measurement or in the place of a file's; zeros are a point. By default
+        a point, or that of the file.
     name, maker : str
         For the file.
     integrator : str
@@ -199,7 +205,7 @@ def goniophotometer(
     LuminaireData
     """
     file = file_path("target", target)
-    is_file = os.path.splitext(file)[1].lower() in (".ies", ".ldt")
+    is_file = is_luminaire_file(file)
     samples = integer("spp", 256 if spp is None else spp, minimum=1, maximum=2**32)
     set_of_lamps = integer("lamp_set", lamp_set, minimum=0, maximum=1000)
     steps = tuple(scalar(n, v, positive=True, maximum=360, unit="degrees") for n, v in (("c_step", c_step), ("gamma_step", gamma_step)))
@@ -213,9 +219,13 @@ def goniophotometer(
     kind = text("symmetry", symmetry)
     if kind not in ("none", "rotational", "c0", "c90", "quadrants"):
         raise Error(f'symmetry: expected "none", "rotational", "c0", "c90" or "quadrants", got {symmetry!r}')
-    if min(vectors["opening"]) < 0 or max(vectors["opening"]) >= 1e4:
+    size = vectors["opening"] or None
+    if size and (min(size) < 0 or max(size) >= 1e4):
         raise Error("opening: expected sizes from 0 to 10000 m")
     labels = text("name", name), text("maker", maker)
+    for argument, label in (("name", labels[0]), ("maker", labels[1])):
+        if "\n" in label or "\r" in label:
+            raise Error(f"{argument}: has more than one line, of which the files hold one")
     if is_file:
         given = {"spp": spp is not None, "c_step": c_step != 15, "gamma_step": gamma_step != 5, "symmetry": kind != "none",
                  "down": vectors["down"] != [0, 0, -1], "along": along is not None, "integrator": integrator != "", "seed": seed is not None,
@@ -225,7 +235,7 @@ def goniophotometer(
                 raise Error(f"{argument}: is for a scene, which is measured; a file has its intensities")
         keywords = [pair for label, words in zip(labels, (("LUMINAIRE", "LUMCAT"), ("MANUFAC",))) if label for pair in [(word, label) for word in words]]
         with Words():
-            found = _aureole.luminaire_of_file(file, set_of_lamps, fluxes, vectors["opening"], keywords)
+            found = _aureole.luminaire_of_file(file, set_of_lamps, fluxes, size, keywords)
         tell(found["notes"])
         return _data(file, found, None)
     if set_of_lamps:
@@ -241,7 +251,7 @@ def goniophotometer(
     if not image.complete:
         raise Error("the render was interrupted before all samples were done")
     with Words():
-        found = _aureole.measured_luminaire(image._picture, file, *labels, samples, kind, fluxes, vectors["opening"])
+        found = _aureole.measured_luminaire(image._picture, file, *labels, samples, kind, fluxes, size)
     found["symmetry"] = kind
     return _data(file, found, image)
 

@@ -97,6 +97,8 @@ def rendered_or_read(name: str, target: Any, defines: Any, check: Callable[[Scen
         for option in ("spp", "seed"):
             if options.get(option) is not None:
                 raise Error(f"{option}: is for a scene, which is rendered; a picture is done")
+        if options.get("threads"):
+            raise Error("threads: is for a scene, which is rendered; a picture is done")
         return (*picture_of(name, target), None)
     with Words():
         check(opened)

@@ -188,7 +188,7 @@ def spectrophotometer(
     step: float = 10,
     bandwidth: float = 0,
     correct_bandwidth: bool = False,
-    aperture: Length = "8mm",
+    aperture: Optional[Length] = None,
     lit: Optional[Length] = None,
     sample_size: Length = "60mm",
     thickness: Optional[Length] = None,
@@ -196,7 +196,7 @@ def spectrophotometer(
     port: Length = "25mm",
     wall: float = 0.97,
     specular_port: float = 0,
-    lamp_angle: float = 3.5,
+    lamp_angle: Optional[float] = None,
     detector_angle: float = 2,
     azimuth: float = 0,
     standard: float = 0.99,
@@ -233,9 +233,11 @@ def spectrophotometer(
         In nm; a bandwidth of 0 is the step.
     correct_bandwidth : bool
         Subtract the effect of the bandwidth (Stearns and Stearns 1988).
-    aperture, lit, sample_size, sphere, port : float or str
-        Diameters of the viewed and the lit area (by default 4 mm more), extent of the sample, diameters of the sphere and of
-        the sample's port, in m or with their unit.
+    aperture, lit : float or str, optional
+        Diameters of the viewed area (by default 8 mm) and of the lit one (by default 4 mm more), in m or with their unit. Of `haze`
+        both are 2 mm where neither is stated.
+    sample_size, sphere, port : float or str
+        Extent of the sample, diameters of the sphere and of the sample's port, in m or with their unit.
     thickness : float or str, optional
         Of the slab; by default the shape's smallest extent.
     wall, standard : float
@@ -243,7 +245,7 @@ def spectrophotometer(
     specular_port : float
         Half-angle in degrees; 0: as the mirrored beam needs.
     lamp_angle, detector_angle : float
-        Half of the angles under which the sample sees lamp and detector, in degrees.
+        Half of the angles under which the sample sees lamp (by default 3.5, of `haze` 0.1) and detector, in degrees.
     azimuth : float
         Of the lamp or detector of 45x, in degrees.
     standard_error, noise, dark_noise, wavelength_error : float
@@ -264,7 +266,6 @@ def spectrophotometer(
     -------
     MeasuredSpectrum or GlossAndHaze
     """
-    viewed = length_m("aperture", aperture, example="8mm")
     options: Dict[str, Any] = {
         "geometry": text("geometry", geometry),
         "transmission": flag("transmission", transmission),
@@ -272,8 +273,8 @@ def spectrophotometer(
         "theory": flag("theory", theory),
         "pooled": flag("pooled", pooled),
         "correct_bandwidth": flag("correct_bandwidth", correct_bandwidth),
-        "aperture": viewed,
-        "lit": viewed + 4e-3 if lit is None else length_m("lit", lit, example="12mm"),
+        "aperture": np.nan if aperture is None else length_m("aperture", aperture, example="8mm"),
+        "lit": np.nan if lit is None else length_m("lit", lit, example="12mm"),
         "sample_size": length_m("sample_size", sample_size, example="60mm"),
         "thickness": thickness_of(thickness),
         "sphere": length_m("sphere", sphere, example="150mm"),
@@ -286,7 +287,6 @@ def spectrophotometer(
     }
     for key, value in (
         ("wall", wall),
-        ("lamp_angle", lamp_angle),
         ("detector_angle", detector_angle),
         ("azimuth", azimuth),
         ("standard", standard),
@@ -296,6 +296,7 @@ def spectrophotometer(
         ("wavelength_error", wavelength_error),
     ):
         options[key] = scalar(key, value, minimum=-36000, maximum=36000)
+    options["lamp_angle"] = np.nan if lamp_angle is None else scalar("lamp_angle", lamp_angle, minimum=-36000, maximum=36000)
     called = text("name", name)
     where = target_of(target)
     with Words():

@@ -42,7 +42,7 @@ class LensData(Table):
     angle : numpy.ndarray of shape (fields,)
         From the axis in degrees.
     height, rms_radius, open, transmittance : numpy.ndarray of shape (fields, wavelengths)
-        Of the spots of distant points: centroid in mm, root mean square radius in um, rays that arrive over those on the
+        Of the spots of points at the distance of the object: centroid in mm, root mean square radius in um, rays that arrive over those on the
         axis, their mean transmittance. NaN where no light arrives.
     spots : list of lists of numpy.ndarray of shape (rays, 2)
         Rays in the plane of the film from the centroid, in um: `spots[field][wavelength]`.

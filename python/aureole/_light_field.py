@@ -172,7 +172,7 @@ def lightfield(
     integer("threads", threads, minimum=0, maximum=4096)
     image, name, scene = rendered_or_read("target", target, defines, lambda s: _aureole.require_light_field(s._open), options)
     with Words():
-        axes = image._picture.light_field if scene is None else _aureole.light_field_axes(scene._open, image._picture)
+        axes = image._picture.light_field if scene is None else _aureole.light_field_axes(scene._open)
         d = _aureole.parsed_light_field(image._picture, axes, name)
     return LightField(
         image, tuple(d["views"]), tuple(d["size"]), tuple(d["aperture"]), d["plane_distance"], d["field_width"], axes

@@ -190,7 +190,7 @@ def photometry(
     glare: bool = False,
     threshold: float = 0.0,
     daylight: bool = False,
-    up: Sequence[float] = (0.0, 0.0, 1.0),
+    up: Optional[Sequence[float]] = None,
     regions: Sequence[Sequence[int]] = (),
     seed: Optional[int] = None,
     threads: int = 0,
@@ -213,8 +213,8 @@ def photometry(
         Luminance of glare sources in cd/m^2; 0: five times the mean of the picture.
     daylight : bool
         The map becomes the daylight factor in %: the illuminance over that of the open ground.
-    up : (float, float, float)
-        Upwards in the scene, for glare and daylight.
+    up : (float, float, float), optional
+        Upwards in the scene, for glare and daylight; by default z.
     regions : rows of (int, int, int, int)
         x, y, width and height of parts of which statistics are wanted; two of them are compared.
     defines : dict, optional
@@ -225,11 +225,15 @@ def photometry(
     PhotometryData
     """
     wants_glare, wants_daylight = flag("glare", glare), flag("daylight", daylight)
-    upwards = real("up", up, minimum=-1e15, maximum=1e15)
+    if up is not None and not (wants_glare or wants_daylight):
+        raise Error("up: is for glare and daylight")
+    upwards = real("up", (0.0, 0.0, 1.0) if up is None else up, minimum=-1e15, maximum=1e15)
     if upwards.shape != (3,):
         raise Error(f"up: expected three numbers, got an array of shape {upwards.shape}")
     axis = upwards.tolist()
     limit = scalar("threshold", threshold, minimum=0, maximum=1e12, unit="cd/m^2")
+    if limit > 0 and not wants_glare:
+        raise Error("threshold: is for glare")
     rows = regions_of(regions)
     options = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
     of_scene = None if scene is None else _opened(scene)

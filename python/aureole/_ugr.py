@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import flag, scalar, text
 from ._errors import Error
-from ._goniophotometer import LuminaireData, goniophotometer
+from ._goniophotometer import LuminaireData, goniophotometer, is_luminaire_file
 from ._instrument_support import Words, tell
 from ._results import Table
 
@@ -145,11 +145,18 @@ def ugr(
     kind, for_kilolumen = text("background", background), flag("uncorrected", uncorrected)
     if kind not in ("uniform", "patches"):
         raise Error(f'background: expected "uniform" or "patches", got {background!r}')
+    with Words():
+        _aureole.require_ugr_spacing(distance)
+    for argument in ("watts", "name", "maker"):
+        if argument in luminaire:
+            raise Error(f"{argument}: is for the file of a luminaire, which goniophotometer makes")
     if isinstance(target, LuminaireData):
         if luminaire:
             raise Error(f"{next(iter(luminaire))}: is for a file or a scene; the target has been measured or read")
         data = target
     else:
+        if not is_luminaire_file(target) and luminaire.get("opening") is None:
+            raise Error("opening: is needed for a scene: the size of the luminous opening, by which the luminance is reckoned")
         data = goniophotometer(target, **luminaire)
     if data.type != "C":
         raise Error("a table of UGR is that of a luminaire of type C, which hangs in a room")

@@ -17,6 +17,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/instrument/lightfield/light_field.h"
 #include "aureole/instrument/picture/convert_picture.h"
@@ -92,7 +93,7 @@ Image in_order_of_colors(Image image) {
 
 void save(const Picture& p, const std::filesystem::path& file, double exposure) {
   require_writable(file);
-  const std::string extension = file.extension();
+  const std::string extension = lower_extension(file);
   if (extension == ".png") return write_png(file, display(p, exposure));
   if (p.state) {
     require_format(p.state->development, p.state->identity.replicates, file);

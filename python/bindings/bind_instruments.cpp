@@ -39,14 +39,14 @@ namespace {
 
 using Defines = std::vector<std::pair<std::string, std::string>>;
 
-/// The objects of a scene file, loaded without Python's lock.
-LoadedObjects objects_of(const std::string& file, const Defines& defines) {
+/// The objects of a scene file with the notes on wanted ones, loaded without Python's lock.
+LoadedObjects objects_of(const std::string& file, const Defines& defines, const IsWanted& is_wanted) {
   const LoadingSignals signals;
   LoadOptions options;
   options.defines = defines;
   options.tables = current_tables();
   options.progress = signals.progress();
-  return signals.run([&] { return load_objects(file, options); });
+  return signals.run([&] { return load_wanted_objects(file, options, is_wanted); });
 }
 
 nb::list notes_of(const std::vector<std::string>& notes) {
@@ -226,7 +226,7 @@ void bind_instruments(nb::module_& m) {
         std::shared_ptr<const Bsdf> bsdf;
         {
           const Unlocked release;
-          loaded = objects_of(file, defines);
+          loaded = objects_of(file, defines, has_id(id));
           bsdf = find_bsdf(loaded, file, id);
         }
         return measured_layer(*bsdf, loaded.context->grid, settings, loaded.notes);
@@ -252,7 +252,7 @@ void bind_instruments(nb::module_& m) {
         std::shared_ptr<const Medium> medium;
         {
           const Unlocked release;
-          loaded = objects_of(file, defines);
+          loaded = objects_of(file, defines, is_medium_called(id));
           medium = find_medium(loaded, file, id);
         }
         return medium_dict(*medium, step, length, at, along, loaded.notes);

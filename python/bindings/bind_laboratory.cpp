@@ -121,6 +121,20 @@ TraceSettings trace_of(const Options& o, int replicates) {
   return t;
 }
 
+/// Replaces the beam, and the viewed area, by what the options state: numbers that are not NaN. An area that is not stated beside
+/// another one is the usual one.
+void set_beam(const Options& o, SpectrophotometerSettings& s) {
+  const auto given = [&](const char* name, double& value) {
+    if (const double number = o.number(name); !std::isnan(number)) value = number;
+  };
+  given("lamp_angle", s.lamp_angle);
+  if (std::isnan(o.number("aperture")) && std::isnan(o.number("lit"))) return;
+  s.viewed_m = SpectrophotometerSettings{}.viewed_m;
+  given("aperture", s.viewed_m);
+  s.lit_m = s.viewed_m + 4e-3;
+  given("lit", s.lit_m);
+}
+
 SpectrophotometerSettings spectrophotometer_settings(const Options& o) {
   SpectrophotometerSettings s;
   s.geometry = measuring_geometry(o.text("geometry"), o.flag("transmission"));
@@ -133,9 +147,10 @@ SpectrophotometerSettings spectrophotometer_settings(const Options& o) {
                                       : Method::comparison;
   s.is_pooled = o.flag("pooled");
   s.by_theory = o.flag("theory"), s.correct_bandwidth = o.flag("correct_bandwidth");
-  s.viewed_m = o.number("aperture"), s.lit_m = o.number("lit"), s.sample_m = o.number("sample_size");
+  set_beam(o, s);
+  s.sample_m = o.number("sample_size");
   s.sphere_m = o.number("sphere"), s.port_m = o.number("port"), s.wall = o.number("wall");
-  s.specular_angle = o.number("specular_port"), s.lamp_angle = o.number("lamp_angle");
+  s.specular_angle = o.number("specular_port");
   s.detector_angle = o.number("detector_angle"), s.azimuth = o.number("azimuth");
   s.standard = o.number("standard"), s.standard_error = o.number("standard_error");
   s.noise = o.number("noise"), s.dark_noise = o.number("dark_noise");
@@ -177,7 +192,11 @@ nb::dict spectrophotometer(const nb::object& target, const Defines& defines, con
       const Ratio g = measure_gloss(bench, m.specimen, angle, s, weights);
       gloss.push_back({angle, g.value, g.error});
     }
-    if (haze_angle > 0) haze = measure_haze(bench, m.specimen, s, haze_angle, weights);
+    if (haze_angle > 0) {
+      SpectrophotometerSettings of_haze = s;
+      use_beam_of_haze(of_haze), set_beam(o, of_haze);
+      haze = measure_haze(bench, m.specimen, of_haze, haze_angle, weights);
+    }
     return 0;
   });
   nb::dict d = spectrum_dict(found, m.notes);

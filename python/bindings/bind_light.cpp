@@ -132,15 +132,17 @@ nb::dict luminaire_dict(const Luminaire& l) {
 }
 
 /// Options that replace what a file states: flux, flux of the lamps [lm] and power [W], opening [m], keywords.
-GoniometryOptions file_changes(const std::array<double, 3>& fluxes, const std::array<double, 3>& opening,
+GoniometryOptions file_changes(const std::array<double, 3>& fluxes,
+                               const std::optional<std::array<double, 3>>& opening,
                                const NamedValues& keywords) {
   for (const double v : fluxes)
     if (!(v >= 0 && std::isfinite(v))) throw Error("fluxes: expected numbers that are not negative");
-  for (const double v : opening)
+  for (const double v : opening.value_or(std::array<double, 3>{}))
     if (!(v >= 0 && v < 1e4)) throw Error("opening: expected sizes in m");
   GoniometryOptions how;
   how.flux = fluxes[0], how.lamp_flux = fluxes[1], how.watts = fluxes[2];
-  how.opening.size_m = opening, how.keywords = keywords;
+  if (opening) how.opening = LuminousOpening{.size_m = *opening};
+  how.keywords = keywords;
   return how;
 }
 
@@ -221,8 +223,11 @@ void bind_photometry(nb::module_& m) {
          const std::shared_ptr<OpenScene>& scene, const std::array<double, 3>& up, double threshold) {
         const auto built = scene->scene();
         const PhotometricMap map = map_of_array(values, quantity, unit);
-        if (map.width != built->film().width() || map.height != built->film().height())
-          throw Error("scene: its film has another size than the picture");
+        try {
+          place_on_film(built->film(), map.width, map.height);
+        } catch (const Error& e) {
+          throw Error("scene: " + e.message());
+        }
         const PictureGlare g = picture_glare(map, built->sensor(), up_of(up), threshold);
         nb::dict d;
         d["threshold"] = g.threshold, d["background"] = g.background, d["solid_angle"] = g.solid_angle;
@@ -331,7 +336,7 @@ void bind_luminaires(nb::module_& m) {
       "measured_luminaire",
       [](const Picture& picture, const std::string& file, const std::string& name, const std::string& maker,
          std::int64_t spp, const std::string& symmetry, const std::array<double, 3>& fluxes,
-         const std::array<double, 3>& opening) {
+         const std::optional<std::array<double, 3>>& opening) {
         if (picture.image.height < 2 || picture.image.channel_count() != 1)
           throw Error("picture: expected one intensity for each direction");
         GoniophotometerSettings settings;
@@ -341,11 +346,11 @@ void bind_luminaires(nb::module_& m) {
         return luminaire_dict(measured_luminaire(picture.image, how));
       },
       nb::arg("picture"), nb::arg("file"), nb::arg("name"), nb::arg("maker"), nb::arg("spp"),
-      nb::arg("symmetry"), nb::arg("fluxes"), nb::arg("opening"));
+      nb::arg("symmetry"), nb::arg("fluxes"), nb::arg("opening").none());
   m.def(
       "luminaire_of_file",
       [](const std::filesystem::path& file, std::size_t lamp_set, const std::array<double, 3>& fluxes,
-         const std::array<double, 3>& opening, const NamedValues& keywords) {
+         const std::optional<std::array<double, 3>>& opening, const NamedValues& keywords) {
         std::optional<Luminaire> l;
         {
           const Unlocked release;
@@ -353,7 +358,9 @@ void bind_luminaires(nb::module_& m) {
         }
         return luminaire_dict(*l);
       },
-      nb::arg("file"), nb::arg("lamp_set"), nb::arg("fluxes"), nb::arg("opening"), nb::arg("keywords"));
+      nb::arg("file"), nb::arg("lamp_set"), nb::arg("fluxes"), nb::arg("opening").none(),
+      nb::arg("keywords"));
+  m.def("require_ugr_spacing", &require_ugr_spacing, nb::arg("spacing"));
   m.def(
       "ugr_table",
       [](const std::string& text, const std::filesystem::path& name, double spacing, bool has_patches) {
@@ -381,6 +388,7 @@ void bind_luminaires(nb::module_& m) {
           notes = lens.notes;
           SignalCheck signals;
           figures = measure_lens(lens, {f_number, object, fields, wavelengths, rays, [&] { signals(); }});
+          notes.insert(notes.end(), figures.notes.begin(), figures.notes.end());
         }
         return lens_dict(figures, notes);
       },
@@ -391,17 +399,16 @@ void bind_luminaires(nb::module_& m) {
 void bind_light_field(nb::module_& m) {
   m.def(
       "light_field_axes",
-      [](const std::shared_ptr<OpenScene>& scene, const Picture& picture) {
+      [](const std::shared_ptr<OpenScene>& scene) {
         const auto built = scene->scene();
-        return light_field_axes(built->sensor().properties(), picture.image.width, picture.image.height)
-            .text();
+        return light_field_axes(built->sensor().properties(), built->film()).text();
       },
-      nb::arg("scene"), nb::arg("picture"));
+      nb::arg("scene"));
   m.def(
       "require_light_field",
       [](const std::shared_ptr<OpenScene>& scene) {
         const auto built = scene->scene();
-        light_field_axes(built->sensor().properties(), built->film().width(), built->film().height());
+        light_field_axes(built->sensor().properties(), built->film());
       },
       nb::arg("scene"));
   m.def(

@@ -44,6 +44,41 @@ protected:
   std::string said;
 };
 
+TEST_F(LaboratoryCli, ABeamThatIsStatedIsThatOfHaze) {
+  write("pane.xml", R"(<scene version="3.0.0"><bsdf type="thindielectric" id="pane"/></scene>)");
+  const auto haze = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"spectrophotometer", "pane.xml#pane", "--haze", "2.5",
+                                   "--theory",          "--paths",       "16384",  "--range",
+                                   "550,550",           "--json",        "h.json"};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_EQ(run(words), 0) << said;
+    return json("h.json")["haze"]["haze"].get<double>();
+  };
+  // Clear glass spreads nothing: what passes by the port of 2.5 degrees is the lamp's own width.
+  EXPECT_NEAR(haze({}), 0, 1e-6);
+  EXPECT_GT(haze({"--lamp-angle", "3.5"}), 0.2);
+  EXPECT_NEAR(haze({"--lamp-angle", "0.1"}), 0, 1e-6);
+  EXPECT_NEAR(haze({"--aperture", "2mm", "--lit", "2mm"}), 0, 1e-6);
+}
+
+TEST_F(LaboratoryCli, NotesAreThoseOfTheMaterial) {
+  write("two.xml", R"(<scene version="3.0.0">
+      <bsdf type="Diffuse" id="first"/>
+      <bsdf type="Plastic" id="second"/>
+      </scene>)");
+  for (const std::string command : {"layer", "spectrophotometer", "goniometer"})
+    for (const auto& [id, own, other] :
+         {std::tuple<std::string, std::string, std::string>("first", "\"Diffuse\" is read", "Plastic"),
+          {"second", "\"Plastic\" is read", "Diffuse"}}) {
+      std::vector<std::string> words{command, "two.xml#" + id};
+      if (command != "layer") words.insert(words.end(), {"--paths", "16", "--range", "550,550"});
+      if (command == "goniometer") words.insert(words.end(), {"--directions", "4"});
+      ASSERT_EQ(run(words), 0) << said;
+      EXPECT_NE(said.find(own), std::string::npos) << command << id << said;
+      EXPECT_EQ(said.find(other), std::string::npos) << command << id << said;
+    }
+}
+
 TEST_F(LaboratoryCli, SpectrophotometersFilesGoToThePigmentCommands) {
   ASSERT_EQ(run({"spectrophotometer",
                  "m.xml#grey",

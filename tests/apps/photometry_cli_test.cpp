@@ -2,10 +2,14 @@
 // aureole photometry and aureole goniophotometer as a user meets them: what they print and write, and messages for bad
 // input, after which nothing is written.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "aureole/core/image.h"
 #include "aureole/parameter/luminaire/luminaire_file.h"
@@ -209,6 +213,128 @@ TEST_F(PhotometryCommand, OptionsOfAMeasurementAreNotForFiles) {
   EXPECT_NEAR(read_luminaire(folder.path / "y.ldt").distribution.flux(), 500, 0.01);
 }
 
+TEST_F(PhotometryCommand, ValuesThatEqualADefaultAreStated) {
+  folder.write("panel.ies", kPanel);
+  folder.write("dark.xml", "<scene version='3.0.0'><shape type='sphere'/></scene>");
+  refused({"goniophotometer", "panel.ies", "--flux", "0", "-o", "x.ies"}, "--flux 0: must be positive");
+  refused({"goniophotometer", "panel.ies", "--lamp-flux", "0", "-o", "x.ies"},
+          "--lamp-flux 0: must be positive");
+  refused({"goniophotometer", "panel.ies", "--watts", "0", "-o", "x.ies"}, "--watts 0: must be positive");
+  refused({"goniophotometer", "panel.ies", "--lamp-set", "-1", "-o", "x.ies"},
+          "--lamp-set -1: expected the number");
+  refused({"goniophotometer", "panel.ies", "--lamp-set", "1", "-o", "x.ies"},
+          "panel.ies is a file of LM-63, which has one set");
+  refused({"goniophotometer", "dark.xml", "--c-step", "0", "-o", "x.ies"},
+          "--c-step 0: must divide 360 degrees");
+  refused({"goniophotometer", "dark.xml", "--gamma-step", "0", "-o", "x.ies"},
+          "--gamma-step 0: must divide 180 degrees");
+  refused({"goniophotometer", "dark.xml", "--spp", "-1", "-o", "x.ies"}, "--spp -1: at least one sample");
+  refused({"goniophotometer", "dark.xml", "--threads", "-1", "-o", "x.ies"}, "--threads -1");
+  for (const char* option : {"--c-step", "--gamma-step", "--spp", "--seed"})
+    refused({"goniophotometer", "panel.ies", option, "0", "-o", "x.ldt"}, "a file has its intensities");
+  // An opening without extent is a point, also in the place of the file's area.
+  ASSERT_EQ(run({"goniophotometer", "panel.ies", "--opening", "0", "0", "0", "-o", "y.ies"}), 0) << output;
+  EXPECT_NE(output.find("luminous opening: a point"), std::string::npos) << output;
+  EXPECT_TRUE(read_luminaire(folder.path / "y.ies").opening.is_point());
+  EXPECT_FALSE(read_luminaire(folder.path / "panel.ies").opening.is_point());
+  refused({"ugr", "panel.ies", "--opening", "0", "0", "0", "--csv", "x.csv"}, "no luminous area");
+}
+
+TEST_F(PhotometryCommand, OptionsOfAWrittenFileNeedOne) {
+  folder.write("panel.ies", kPanel);
+  for (const std::string option : {"--watts", "--name", "--maker"})
+    for (const std::string command : {"goniophotometer", "ugr"})
+      refused({command, "panel.ies", option, "5"}, option + ": is for the file that is written: give -o");
+  // A second line would be one of the file's own, and shift those of EULUMDAT.
+  for (const std::string option : {"--name", "--maker"})
+    refused({"goniophotometer", "panel.ies", option, "a\nTILT=NONE", "-o", "x.ldt"}, "more than one line");
+  ASSERT_EQ(run({"ugr", "panel.ies", "-q", "-o", "y.ldt", "--name", "a panel"}), 0) << output;
+  EXPECT_NE(file_content(folder.path / "y.ldt").find("a panel"), std::string::npos);
+}
+
+TEST_F(PhotometryCommand, OptionsWithoutEffectAreErrors) {
+  folder.write("grid.xml", kGrid);
+  ASSERT_EQ(run({"photometry", "grid.xml", "-o", "a.png", "-q"}), 0) << output;
+  refused({"photometry", "a.exr", "-o", "x.png", "--threads", "2"}, "a picture is done");
+  refused({"photometry", "a.exr", "-o", "x.png", "-D", "a=1"}, "a picture is done");
+  refused({"photometry", "a.exr", "-o", "x.png", "--up", "0,1,0"}, "--up: is for --glare and --daylight");
+  refused({"photometry", "a.exr", "-o", "x.png", "--threshold", "500"}, "--threshold: is for --glare");
+  refused({"photometry", "a.exr", "-o", "x.png", "--threshold", "0"}, "--threshold 0: must be positive");
+  refused({"photometry", "a.exr", "-o", "x.png", "--isolines", "100,nan"}, "no value of an isoline");
+}
+
+// Measured within moments; the table takes long by patches and a narrow grid of luminaires.
+TEST_F(PhotometryCommand, AnInterruptedTableKeepsTheMeasuredLuminaire) {
+  folder.write(
+      "panel.xml",
+      "<scene version='3.0.0'><shape type='rectangle'><transform name='to_world'><rotate x='1' angle='180'/>"
+      "<scale x='0.3' y='0.3' z='1'/></transform><emitter type='area'><string name='amount' value='3000 lm'/></emitter>"
+      "</shape></scene>");
+  const std::vector<std::string> words{
+      "ugr",       "panel.xml", "--opening",    "0.6",  "0.6",       "0",    "--spp",        "4",
+      "--c-step",  "45",        "--gamma-step", "15",   "--spacing", "0.05", "--background", "patches",
+      "--threads", "1",         "--csv",        "x.csv"};
+  const auto interrupt = [&](const std::vector<std::string>& arguments,
+                             const std::function<bool()>& is_time) {
+    const pid_t pid = start_program(folder.path, arguments, folder.path / "log.txt");
+    for (int i = 0; i < 6000 && !is_time(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kill(pid, SIGINT);
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return program_end(status, folder.path / "log.txt");
+  };
+  std::vector<std::string> with_output = words;
+  with_output.insert(with_output.end(), {"-o", "kept.ies"});
+  const ProgramEnd end = interrupt(with_output, [&] { return fs::exists(folder.path / "kept.ies"); });
+  EXPECT_EQ(end.exit_code, 1) << end.output;
+  EXPECT_NE(end.output.find("interrupted: no table is written; kept.ies is the measured luminaire"),
+            std::string::npos)
+      << end.output;
+  EXPECT_FALSE(fs::exists(folder.path / "x.csv"));
+  // Without -o it is kept under the scene's name. A signal that comes during the measurement is repeated later.
+  ProgramEnd later;
+  for (int wait_ms = 500; wait_ms <= 16000; wait_ms *= 2) {
+    later = interrupt(words, [&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+      return true;
+    });
+    if (later.output.find("nothing is written") == std::string::npos) break;
+  }
+  EXPECT_EQ(later.exit_code, 1) << later.output;
+  ASSERT_TRUE(fs::exists(folder.path / "panel_measured.ies")) << later.output;
+  EXPECT_EQ(read_luminaire(folder.path / "panel_measured.ies").distribution.flux(),
+            read_luminaire(folder.path / "kept.ies").distribution.flux());
+  EXPECT_NEAR(read_luminaire(folder.path / "kept.ies").opening.size_m[0], 0.6, 1e-9);
+}
+
+TEST_F(PhotometryCommand, ACropIsAPartOfTheFilm) {
+  const std::string film =
+      "<film type='hdrfilm'><integer name='width' value='32'/><integer name='height' value='32'/>"
+      "<integer name='crop_width' value='16'/><integer name='crop_offset_x' value='8'/>"
+      "<string name='quantity' value='luminance'/><rfilter type='box'/></film>";
+  const std::string rest =
+      "<sampler type='sobol'><integer name='sample_count' value='4'/></sampler></sensor>"
+      "<emitter type='constant'><string name='amount' value='50 cd/m^2'/></emitter></scene>";
+  folder.write("part.xml", "<scene version='3.0.0'><sensor type='perspective'>" + film + rest);
+  ASSERT_EQ(run({"photometry", "part.xml", "-o", "a.png", "-q"}), 0) << output;
+  // The scene of a cropped picture is the one that was rendered.
+  EXPECT_EQ(
+      run({"photometry", "a.exr", "--scene", "part.xml", "--glare", "--up", "0,1,0", "-o", "b.png", "-q"}), 0)
+      << output;
+  std::string other = "<scene version='3.0.0'><sensor type='perspective'>" + film + rest;
+  other.replace(other.find("'16'"), 4, "'12'");
+  folder.write("other.xml", other);
+  refused({"photometry", "a.exr", "--scene", "other.xml", "--glare", "-o", "x.png"},
+          "--scene other.xml: a picture of 16 x 32 pixels is not that of the film, which has 12 x 32");
+  // A part of a light field lacks views.
+  folder.write("field.xml",
+               "<scene version='3.0.0'><sensor type='lightfield'><integer name='views_x' value='4'/>"
+               "<float name='aperture_width' value='0.1'/><float name='plane_distance' value='1'/>"
+               "<float name='field_width' value='1'/>" +
+                   film + rest);
+  refused({"lightfield", "field.xml", "-o", "x.png"}, "the film has a crop; a light field is the whole film");
+}
+
 TEST_F(PhotometryCommand, BadInputWritesNothing) {
   folder.write("grid.xml", kGrid);
   folder.write("dark.xml", "<scene version='3.0.0'><shape type='sphere'/></scene>");
@@ -236,7 +362,12 @@ TEST_F(PhotometryCommand, BadInputWritesNothing) {
   refused({"ugr", "point.ies", "--opening", "1", "1", "-1", "--csv", "x.csv"}, "--opening");
   refused({"ugr", "point.ies", "--opening", "1", "1", "0", "--spacing", "0.3", "--csv", "x.csv"},
           "whole number");
-  refused({"ugr", "dark.xml", "--csv", "x.csv", "--spp", "1"}, "no light");
+  refused({"ugr", "dark.xml", "--opening", "1", "1", "0", "--csv", "x.csv", "--spp", "1"}, "no light");
+  // Options of the table are wrong before a scene is measured: this one would be an error of its emitter.
+  refused({"ugr", "sky.xml", "--csv", "x.csv"}, "--opening: is needed for a scene");
+  refused({"ugr", "sky.xml", "--opening", "1", "0", "0", "--csv", "x.csv"}, "--opening 1 0 0: has no area");
+  refused({"ugr", "sky.xml", "--opening", "1", "1", "0", "--spacing", "0.3", "--csv", "x.csv"},
+          "whole number");
 }
 
 }  // namespace

@@ -74,6 +74,9 @@ def test_spectrophotometer_measures_bsdfs_gloss_and_haze(scene):
     haze = aureole.spectrophotometer(f"{scene}#pane", haze=2.5, step=20, paths=4096)
     total, error = haze.total_transmittance
     assert haze.haze[0] == pytest.approx(0, abs=1e-3) and total == pytest.approx(0.922, abs=4.5 * error) and error < 0.05
+    # A beam that is stated is that of haze, also where it is the usual one of reflectance: its own width passes by the port.
+    wide = aureole.spectrophotometer(f"{scene}#pane", haze=2.5, range=(550, 550), paths=4096, theory=True, lamp_angle=3.5)
+    assert wide.haze[0] > 0.2
     haze = aureole.spectrophotometer(f"{scene}#pane", haze=2.5, step=20, paths=4096, theory=True)
     assert haze.haze[0] == pytest.approx(0, abs=1e-3) and haze.total_transmittance[0] == pytest.approx(0.922, abs=0.003)
     # A slab has an edge, whose loss is predicted.

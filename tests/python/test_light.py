@@ -123,6 +123,10 @@ def test_glare_and_daylight(folder):
                                                      lamps='<emitter type="ciesky"><string name="amount" value="10000 lx"/></emitter>'))
     day = aureole.photometry(folder / "sky.day.xml", 4, daylight=True, progress=False)
     assert day.unit == "%" and day.values.mean() == pytest.approx(100, rel=0.02)
+    for wrong, message in (({"up": (0, 0, 1)}, "up: is for glare and daylight"), ({"threshold": 500.0}, "threshold: is for glare"),
+                           ({"threads": 2}, "threads: is for a scene")):
+        with pytest.raises(aureole.Error, match=message):
+            aureole.photometry(day.image, progress=False, **wrong)
 
 
 def test_goniophotometer(folder):
@@ -154,6 +158,12 @@ def test_goniophotometer(folder):
     changed = aureole.goniophotometer(folder / "ours.ldt", flux=250, opening=(0.5, 0.2, 0.1), name="half", maker="me")
     assert changed.flux == pytest.approx(250) and changed.opening == (0.5, 0.2, 0.1)
     assert changed.keywords["LUMINAIRE"] == changed.keywords["LUMCAT"] == "half" and changed.keywords["MANUFAC"] == "me"
+    changed.save(folder / "changed.ies")
+    assert aureole.goniophotometer(folder / "changed.ies").opening == pytest.approx((0.5, 0.2, 0.1))
+    assert aureole.goniophotometer(folder / "changed.ies", opening=(0, 0, 0)).opening == (0, 0, 0)  # a point is an opening, too
+    for argument in ("name", "maker"):
+        with pytest.raises(aureole.Error, match=f"{argument}: has more than one line"):
+            aureole.goniophotometer(folder / "ours.ldt", **{argument: "a\nTILT=NONE"})
 
 
 def test_ugr(folder):
@@ -182,8 +192,13 @@ def test_ugr(folder):
     np.testing.assert_allclose(aureole.ugr(data).crosswise, found.crosswise, atol=1e-4)
     assert "4000 lm of the lamps" in found._repr_html_() and found._repr_html_().count("<tr>") == 20
     plotted(found), plotted(found, reflectances=3)
-    with pytest.raises(aureole.Error, match=r"lamp\.xml: the luminaire has no luminous area, .*: state it by opening"):
-        aureole.ugr(folder / "lamp.xml", spp=4, c_step=90, gamma_step=5, progress=False)
+    # Wrong arguments are errors before a scene is measured: this one is missing.
+    with pytest.raises(aureole.Error, match="opening: is needed for a scene"):
+        aureole.ugr(folder / "missing.xml", progress=False)
+    with pytest.raises(aureole.Error, match="^spacing 0.3: .* whole number"):
+        aureole.ugr(folder / "missing.xml", opening=(1, 1, 0), spacing=0.3, progress=False)
+    with pytest.raises(aureole.Error, match=r"panel\.ies: the luminaire has no luminous area, .*: state it by opening"):
+        aureole.ugr(folder / "panel.ies", opening=(0, 0, 0))
     measured = aureole.ugr(folder / "lamp.xml", spp=4, c_step=90, gamma_step=5, opening=(0.1, 0.1, 0), progress=False)
     assert not measured.is_of_lamps and measured.flux == pytest.approx(500, rel=0.02)
     assert np.isneginf(measured.crosswise).all()  # a beam of 20 degrees dazzles nobody
@@ -191,6 +206,8 @@ def test_ugr(folder):
         aureole.ugr(data, opening=(1, 1, 0))
     with pytest.raises(aureole.Error, match="whole number"):
         aureole.ugr(data, spacing=0.3)
+    with pytest.raises(aureole.Error, match="watts: is for the file of a luminaire"):
+        aureole.ugr(folder / "panel.ies", watts=30)
     with pytest.raises(aureole.Error, match='background: expected "uniform" or "patches"'):
         aureole.ugr(data, background="traced")
 
@@ -271,6 +288,12 @@ def test_expose(folder):
         aureole.expose(found.image, exposure=1, efficiency={"nm": [400, 300], "values": [0.1, 0.2]})
     with pytest.raises(aureole.Error, match="has no spectral channels"):
         aureole.expose(aureole.Image(np.ones((2, 2, 3))), exposure=1)
+
+
+def test_a_crop_lacks_views(folder):
+    (folder / "part.xml").write_text(FIELD.replace('<integer name="height"', '<integer name="crop_width" value="48"/><integer name="height"'))
+    with pytest.raises(aureole.Error, match="the film has a crop"):
+        aureole.lightfield(folder / "part.xml", progress=False)
 
 
 def test_light_field(folder):

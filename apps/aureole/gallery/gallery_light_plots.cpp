@@ -221,8 +221,7 @@ LightPicture refocused_pictures(const std::filesystem::path& scene, double diame
                                 const std::atomic<bool>& stop) {
   const RenderedLight light = rendered_light(scene, effort, stop);
   LightField field;
-  field.axes =
-      light_field_axes(light.scene.scene->sensor().properties(), light.picture.width, light.picture.height);
+  field.axes = light_field_axes(light.scene.scene->sensor().properties(), light.scene.scene->film());
   field.mosaic = light.picture;
   std::vector<Image> pictures;
   std::string caption = fmt::format("{}; in focus at", field.axes.text());

@@ -11,12 +11,12 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/parallel.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
-#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/text_table.h"
 #include "messages.h"
 #include "pigment/pigment_options.h"
@@ -80,8 +80,7 @@ std::vector<std::pair<std::size_t, std::size_t>> forbidden_pairs(const pigment::
 
 /// Whether a line of a table of prices has headings, such as "paint" and "price (EUR/kg)".
 bool is_heading(const pigment::TextRow& row) {
-  const std::string first = pigment::lower_case(row.cells[0].text),
-                    second = pigment::lower_case(row.cells[1].text);
+  const std::string first = lower_case(row.cells[0].text), second = lower_case(row.cells[1].text);
   return first.starts_with("paint") || first.starts_with("pigment") || first == "name" ||
          second.starts_with("price") || second.starts_with("cost");
 }

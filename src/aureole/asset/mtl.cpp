@@ -2,10 +2,10 @@
 #include "aureole/asset/mtl.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
@@ -122,9 +122,7 @@ ObjectPtr picture(const Properties& owner, const std::string& material, const Mt
 /// Reads one statement of a material; returns false if its value is not valid.
 bool read_statement(const std::string& keyword, Scanner& s, const std::filesystem::path& folder,
                     MtlMaterial& m) {
-  std::string name = keyword;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string name = lower_case(keyword);
   double v = 0;
   if (name == "kd") return color(s, m.diffuse, keyword, m);
   if (name == "ks") return m.has_specular = color(s, m.specular, keyword, m);

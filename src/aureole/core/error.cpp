@@ -2,8 +2,9 @@
 #include "aureole/core/error.h"
 
 #include <algorithm>
-#include <cctype>
 #include <mutex>
+
+#include "aureole/core/letter_case.h"
 
 namespace aureole {
 
@@ -34,12 +35,6 @@ std::string joined(const std::vector<std::string>& lines) {
   std::string s;
   for (const auto& l : lines) s += (s.empty() ? "" : "\n") + l;
   return s;
-}
-
-std::string lower(std::string_view s) {
-  std::string r(s);
-  for (char& c : r) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return r;
 }
 
 size_t edit_distance(const std::string& a, const std::string& b) {
@@ -75,13 +70,13 @@ void Diagnostics::throw_if_errors() const {
 ErrorList::ErrorList(std::vector<std::string> errors) : Error(joined(errors)), errors_(std::move(errors)) {}
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::string wanted = lower(name);
+  const std::string wanted = lower_case(name);
   std::string best;
   // Largest number of letters that may differ, a third: enough for typing errors, while unrelated words are
   // not suggested.
   size_t best_distance = std::max<size_t>(2, wanted.size() / 3) + 1;
   for (const auto& c : candidates) {
-    const std::string candidate = lower(c);
+    const std::string candidate = lower_case(c);
     size_t d = edit_distance(wanted, candidate);
     if (wanted.size() >= 4 && candidate.size() > wanted.size() && candidate.find(wanted) != std::string::npos)
       d = std::min<size_t>(d, 2);

@@ -2,7 +2,6 @@
 #include "aureole/core/image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -11,6 +10,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/memory.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/unfilled.h"
@@ -107,8 +107,7 @@ bool is_image_file(const std::filesystem::path& file) {
   InputFile input(file);
   unsigned char first[4] = {};
   input.read(first, std::min<std::uint64_t>(input.size(), sizeof first));
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_extension(file);
   return format_of(first) != Format::unknown || extension == ".tga" || extension == ".bmp";
 }
 

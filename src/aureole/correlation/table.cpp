@@ -5,6 +5,7 @@
 
 #include "aureole/core/image.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/optics/two_columns.h"
 
@@ -19,8 +20,7 @@ public:
     const double radius = p.get_float("radius", 1, Range::positive());
     const double extent = p.get_float("extent", 16, Range{1, 256});
     const auto file = p.get_file("filename");
-    std::string kind = file.extension().string();
-    std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string kind = lower_extension(file);
     try {
       if (kind == ".txt" || kind == ".csv" || kind == ".dat") {
         std::istringstream in = read_table_file(file);

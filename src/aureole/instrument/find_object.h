@@ -14,7 +14,7 @@
 #include "aureole/asset/asset.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/error.h"
-#include "aureole/loading/load.h"
+#include "aureole/loading/wanted_objects.h"
 #include "aureole/medium/medium.h"
 
 namespace aureole {
@@ -57,6 +57,19 @@ inline std::shared_ptr<const Medium> find_medium(const LoadedObjects& loaded, co
   if (all.empty() && !id.empty()) message += "; the scene has no medium";
   if (!known.empty()) message += fmt::format("; there are {}", fmt::join(known, ", "));
   throw Error({file, 0, 0}, message);
+}
+
+/// Objects of that id are wanted.
+inline IsWanted has_id(const std::string& id) {
+  return [id](const std::string& its_id, const ObjectPtr&) { return its_id == id; };
+}
+
+/// The medium that `find_medium` returns is wanted.
+inline IsWanted is_medium_called(const std::string& id) {
+  if (!id.empty()) return has_id(id);
+  return [](const std::string&, const ObjectPtr& object) {
+    return std::dynamic_pointer_cast<const Medium>(object) != nullptr;
+  };
 }
 
 /// Divides "scene.xml#id" at its last "#" into the file and the id, which may be empty.

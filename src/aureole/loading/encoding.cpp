@@ -2,9 +2,10 @@
 #include "aureole/loading/encoding.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <string_view>
+
+#include "aureole/core/letter_case.h"
 
 namespace aureole {
 
@@ -52,9 +53,7 @@ std::string from_wide(std::string_view text, std::size_t bytes, bool big_endian)
 /// Whether the XML declaration contains encoding="iso-8859-1" or latin1.
 bool declares_latin1(std::string_view text) {
   if (!text.starts_with("<?xml")) return false;
-  std::string declaration(text.substr(0, text.find("?>")));
-  std::transform(declaration.begin(), declaration.end(), declaration.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string declaration = lower_case(text.substr(0, text.find("?>")));
   const std::size_t at = declaration.find("encoding");
   if (at == std::string::npos) return false;
   return declaration.find("iso-8859-1", at) != std::string::npos ||

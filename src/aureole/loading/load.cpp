@@ -9,12 +9,14 @@
 #include "aureole/core/units.h"
 #include "aureole/loading/assembly.h"
 #include "aureole/loading/builder.h"
+#include "aureole/loading/node_notes.h"
 #include "aureole/loading/order.h"
 #include "aureole/loading/overrides.h"
 #include "aureole/loading/sensor_grid.h"
 #include "aureole/loading/stages.h"
 #include "aureole/loading/upgrade.h"
 #include "aureole/loading/values.h"
+#include "aureole/loading/wanted_objects.h"
 #include "aureole/plugin/late_notes.h"
 
 namespace aureole {
@@ -77,6 +79,13 @@ std::optional<bool> energy_preserving(const Node& root, Diagnostics& diagnostics
   return chosen;
 }
 
+/// An object of a file with its id, or an alias, and its element.
+struct FoundObject {
+  std::string id;
+  ObjectPtr object;
+  const Node* node;
+};
+
 /// Upgraded nodes, with the state needed to build objects from them.
 class Loading {
 public:
@@ -120,6 +129,15 @@ public:
     owned_->context.diagnostics = closed_diagnostics();
     return in_file_order(owned_->diagnostics.notes(), parsed_.files);
   }
+  /// As `take_notes`, with those alone that are about wanted objects, or about no object.
+  std::vector<std::string> take_notes_about(const std::vector<FoundObject>& found,
+                                            const IsWanted& is_wanted) {
+    owned_->context.diagnostics = closed_diagnostics();
+    NodeNotes notes(parsed_.root, references, owned_->diagnostics.notes());
+    for (const FoundObject& f : found)
+      if (is_wanted(f.id, f.object)) notes.select(*f.node);
+    return in_file_order(notes.selected(), parsed_.files);
+  }
   Diagnostics& diagnostics() { return owned_->diagnostics; }
   std::shared_ptr<const BuildContext> context() const { return {owned_, &owned_->context}; }
 
@@ -153,12 +171,12 @@ ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optio
 
 /// Adds the objects of the children of `parent` and of their children to `found`.
 void collect_objects(const Node& parent, const References& references, const NodeTable<ObjectPtr>& built,
-                     std::vector<std::pair<std::string, ObjectPtr>>& found) {
+                     std::vector<FoundObject>& found) {
   for (const Node& child : parent.children) {
     const bool alias = child.tag == "alias";
     const std::string id = child.get(alias ? "as" : "id");
     const Node* const node = alias ? references.ids.find(id).node : &child;
-    if (node && built[*node]) found.emplace_back(id, built[*node]);
+    if (node && built[*node]) found.push_back({id, built[*node], node});
     collect_objects(child, references, built, found);
   }
 }
@@ -233,17 +251,24 @@ LoadedScene load_scene_from_string(const std::string& text, const std::filesyste
 }
 
 LoadedObjects load_objects(const std::filesystem::path& file, const LoadOptions& options) {
+  return load_wanted_objects(file, options, {});
+}
+
+LoadedObjects load_wanted_objects(const std::filesystem::path& file, const LoadOptions& options,
+                                  const IsWanted& is_wanted) {
   const auto owned = std::make_shared<OwnedContext>();
   ParsedScene parsed = read_scene_nodes(file, {}, options, owned->diagnostics);
   Loading loading(parsed, owned);
-  LoadedObjects loaded;
+  std::vector<FoundObject> found;
   loading.build(sensor_grid(loading.references, loading.diagnostics()), options, nullptr,
                 [&](Builder& builder) {
                   SceneAssembly(builder, loading.references, loading.diagnostics()).run(parsed.root, false);
-                  collect_objects(parsed.root, loading.references, builder.built(), loaded.objects);
+                  collect_objects(parsed.root, loading.references, builder.built(), found);
                 });
+  LoadedObjects loaded;
   loaded.context = loading.context();
-  loaded.notes = loading.take_notes();
+  loaded.notes = is_wanted ? loading.take_notes_about(found, is_wanted) : loading.take_notes();
+  for (FoundObject& f : found) loaded.objects.emplace_back(std::move(f.id), std::move(f.object));
   return loaded;
 }
 

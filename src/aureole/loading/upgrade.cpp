@@ -5,6 +5,7 @@
 #include <cctype>
 #include <unordered_map>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/core/units.h"
 #include "aureole/loading/aliases.h"
 #include "aureole/loading/radio_materials.h"
@@ -242,8 +243,7 @@ void lower_type(Node& object, Diagnostics& diagnostics) {
   Attribute* type = object.find("type");
   const std::string family = object_family(object);
   if (!type || type->failed || family.empty() || find_plugin(family, type->value)) return;
-  std::string lower = type->value;
-  for (char& c : lower) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string lower = lower_case(type->value);
   if (lower == type->value || !find_plugin(family, lower)) return;
   diagnostics.note(type->where, family + " \"" + type->value + "\" is read as \"" + lower +
                                     "\": names of plug-ins have no capital letters");

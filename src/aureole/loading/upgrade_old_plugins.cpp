@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/core/units.h"
 #include "aureole/loading/values.h"
 
@@ -124,9 +125,7 @@ void upgrade_envmap(Node& map, Diagnostics& diagnostics) {
   drop(map, "cache_size", diagnostics);
   const Node *gamma = map.named_child("gamma"), *file = map.named_child("filename");
   if (!gamma) return;
-  std::string name = file ? file->get("value") : "";
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string name = lower_case(file ? file->get("value") : "");
   const bool linear =
       name.ends_with(".exr") || name.ends_with(".hdr") || name.ends_with(".rgbe") || name.ends_with(".pfm");
   const std::string value = gamma->get("value");

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/units.h"
 
 namespace aureole {
@@ -23,8 +24,7 @@ std::string_view trimmed(std::string_view s) {
 std::string in_quotes(std::string_view s) { return "\"" + std::string(s) + "\""; }
 
 bool parse_boolean(std::string_view text) {
-  std::string s(trimmed(text));
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string s = lower_case(trimmed(text));
   if (s == "true" || s == "false") return s == "true";
   throw Error(in_quotes(text) + " is not a boolean: write \"true\" or \"false\"");
 }

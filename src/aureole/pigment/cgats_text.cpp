@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/pigment/domain.h"
-#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/recipe.h"
 #include "aureole/pigment/text_table.h"
 

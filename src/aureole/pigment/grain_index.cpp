@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-#include "aureole/pigment/letter_case.h"
+#include "aureole/core/letter_case.h"
 
 namespace aureole::pigment {
 namespace {
@@ -160,7 +160,7 @@ constexpr std::array<std::string_view, 2> kOfTheTrade[] = {
 }  // namespace
 
 std::optional<GrainIndex> find_grain_index(std::string_view name) {
-  std::string key = lower_case(std::string(name));
+  std::string key = lower_case(name);
   for (const auto& [trade, is] : kOfTheTrade)
     if (key == trade) key = is;
   for (const GrainIndex& g : all())

@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/pigment/domain.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
-#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/prediction.h"
 
 namespace aureole::pigment {

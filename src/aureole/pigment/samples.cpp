@@ -13,8 +13,8 @@
 #include <set>
 #include <sstream>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/pigment/domain.h"
-#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
 namespace aureole::pigment {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/render/sample_density.h"
 
 namespace aureole {
@@ -33,7 +34,7 @@ Image colors_of(const Image& picture) {
 }  // namespace
 
 void require_format(const Development& development, int replicates, const std::filesystem::path& file) {
-  const std::string extension = file.extension();
+  const std::string extension = lower_extension(file);
   if (extension == ".exr") return;
   if (extension != ".hdr" && extension != ".rgbe" && extension != ".pfm")
     throw Error("-o " + file.string() + ": the output is an .exr, .hdr or .pfm file");
@@ -77,7 +78,7 @@ ExrAttributes picture_attributes(const RenderState& s) {
 
 void write_picture(const RenderState& s, const Image& picture, const std::filesystem::path& file) {
   const bool single = s.development.half && s.identity.replicates == 1;
-  const std::string extension = file.extension();
+  const std::string extension = lower_extension(file);
   if (extension == ".exr")
     write_exr(file, picture, single ? ExrPixel::half : ExrPixel::float32, picture_attributes(s));
   else if (extension == ".pfm")

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <span>
+
+#include "aureole/core/letter_case.h"
 
 namespace aureole {
 namespace detail {
@@ -180,12 +181,6 @@ constexpr Alias kAliases[] = {
     {"n-bak4", "", "bak4"},
     {"n-baf10", "", "baf10"},
 };
-
-std::string lower_case(std::string_view name) {
-  std::string s(name);
-  std::ranges::transform(s, s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return s;
-}
 
 }  // namespace
 

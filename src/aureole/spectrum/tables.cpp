@@ -2,7 +2,8 @@
 #include "aureole/spectrum/tables.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "aureole/core/letter_case.h"
 
 namespace aureole {
 namespace {
@@ -25,11 +26,6 @@ constexpr auto kTabulatedNm = [] {
   for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = 300.0 + kIlluminantStep * static_cast<double>(i);
   return nm;
 }();
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  return std::ranges::equal(
-      a, b, [](unsigned char p, unsigned char q) { return std::tolower(p) == std::tolower(q); });
-}
 
 }  // namespace
 
@@ -81,7 +77,7 @@ std::optional<TabulatedSpectrum> find_illuminant(std::string_view name) {
       std::isdigit(static_cast<unsigned char>(full[1])))
     full = "FL" + full.substr(1);
   for (const IlluminantRecord& record : kIlluminants) {
-    if (!equal_ignoring_case(record.name, full)) continue;
+    if (!equal_without_case(record.name, full)) continue;
     const auto first = static_cast<std::size_t>((record.start_nm - kTabulatedNm.front()) / kIlluminantStep);
     return TabulatedSpectrum{std::span(kTabulatedNm).subspan(first, record.values.size()), record.values};
   }

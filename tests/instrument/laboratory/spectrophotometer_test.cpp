@@ -237,6 +237,7 @@ TEST(Spectrophotometer, ErrorOfLuminanceKnowsThatBandsShareTheirPaths) {
   Specimen sheet{.name = "sheet"};
   sheet.bsdf = build<Bsdf>("<bsdf type=\"test_gaussian_sheet\"/>");
   SpectrophotometerSettings s = at("0:di", true);
+  use_beam_of_haze(s);
   double squares = 0;
   constexpr int kSeeds = 16;
   for (int seed = 0; seed < kSeeds; ++seed) {
@@ -263,6 +264,7 @@ TEST(Spectrophotometer, ClearGlassHasNoHazeAndItsTransmittance) {
   for (const bool by_theory : {false, true}) {
     SpectrophotometerSettings s = at("0:de", true);
     s.by_theory = by_theory;
+    use_beam_of_haze(s);
     const Haze h = measure_haze(bench_of(1 << 17), pane, s, 2.5, {1});
     EXPECT_NEAR(h.haze, 0, 1e-6) << by_theory;
     EXPECT_NEAR(h.total, t, 4.5 * h.total_error + 1e-4) << by_theory;
@@ -400,6 +402,46 @@ TEST(Spectrophotometer, BandwidthIsCorrectedForParabolas) {
   // A triangle over a spectrum that is linear between the nodes: the mean of both slopes adds 20/3 times 0.001.
   EXPECT_NEAR(raw.values[3], 0.2 + 20.0 / 3 * 0.001, 6e-4);
   EXPECT_NEAR(corrected.values[3], raw.values[3] - 20 * 20 / 12.0 * 1e-4, 4e-4);
+}
+
+TEST(Spectrophotometer, ACorrectedBandwidthKnowsThatBandsShareTheirPaths) {
+  const Specimen sheet = lambertian(0.4);
+  const std::vector<double> nm{500, 520, 540, 560, 580};
+  double squares = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SpectrophotometerSettings s = at("di:8");
+    s.correct_bandwidth = true;
+    const MeasuredSpectrum m = measure_spectrum(bench_of(1 << 12, nm, seed, 40), sheet, s);
+    for (std::size_t i = 0; i < nm.size(); ++i) {
+      std::vector<double> alone(nm.size());
+      alone[i] = 1;
+      // The deviations are those of the corrected values.
+      EXPECT_NEAR(m.error_of_sum(alone), m.error(i), 1e-9 * m.error(i));
+      squares += std::pow((m.values[i] - 0.4) / m.error(i), 2), ++count;
+    }
+  }
+  EXPECT_GT(squares / count, 0.3);
+  EXPECT_LT(squares / count, 2.5);
+  // Bands are independent in the detector's noise: the variance is multiplied by (1 + 2 a)^2 and 2 a^2, a = (40/20)^2/12, or by
+  // (1 + a)^2 and a^2 at the ends.
+  SpectrophotometerSettings s = at("45x:0");
+  s.noise = 0.01;
+  const Bench bench = bench_of(1 << 10, nm, 0, 40);
+  const auto detector = [](const MeasuredSpectrum& m) {
+    for (const auto& cause : m.causes)
+      if (cause.name == "detector") return cause.errors;
+    return std::vector<double>();
+  };
+  const std::vector<double> raw = detector(measure_spectrum(bench, sheet, s));
+  s.correct_bandwidth = true;
+  const std::vector<double> corrected = detector(measure_spectrum(bench, sheet, s));
+  ASSERT_EQ(raw.size(), nm.size());
+  const double a = 1.0 / 3;
+  EXPECT_NEAR(corrected[2],
+              std::sqrt(std::pow((1 + 2 * a) * raw[2], 2) + a * a * (raw[1] * raw[1] + raw[3] * raw[3])),
+              1e-9);
+  EXPECT_NEAR(corrected[0], std::sqrt(std::pow((1 + a) * raw[0], 2) + std::pow(a * raw[1], 2)), 1e-9);
 }
 
 TEST(Spectrophotometer, StandardErrorsAreNeitherTooSmallNorTooLarge) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <fstream>
 
@@ -241,6 +242,26 @@ TEST(Photometry, GlareOfADiscInItsSurround) {
   // A pyramid of 90 degrees has a sixth of the sphere.
   EXPECT_NEAR(glare.solid_angle, 4 * M_PI / 6, 0.002);
   EXPECT_THROW(picture_glare(map, loaded.scene->sensor(), {1, 0, 0}, 1000), Error);
+  // A crop keeps the directions of its pixels: the same source in the same surround.
+  std::string cropped = camera;
+  const std::string size = "<integer name='height' value='512'/>";
+  cropped.insert(cropped.find(size) + size.size(),
+                 "<integer name='crop_offset_x' value='150'/><integer name='crop_offset_y' value='60'/>"
+                 "<integer name='crop_width' value='200'/><integer name='crop_height' value='150'/>");
+  const LoadedScene part = scene(cropped + disc, "direct");
+  const PhotometricMap of_part = photometric_map(
+      render(part, 64), channels_attribute(film.channel_names(), film.channel_meanings()), "picture");
+  ASSERT_EQ(of_part.width, 200);
+  // Few pixels of the disc's rim are near this threshold, which noise would change.
+  const PictureGlare glare_of_part = picture_glare(of_part, part.scene->sensor(), {0, 0, 1}, 300),
+                     of_whole = picture_glare(map, loaded.scene->sensor(), {0, 0, 1}, 300);
+  ASSERT_EQ(glare_of_part.sources.size(), 1u);
+  EXPECT_NEAR(glare_of_part.sources[0].source.position, of_whole.sources[0].source.position, 1e-3);
+  EXPECT_NEAR(glare_of_part.sources[0].source.solid_angle, of_whole.sources[0].source.solid_angle,
+              0.02 * omega);
+  EXPECT_NEAR(glare_of_part.rating, of_whole.rating, 0.05);
+  EXPECT_NEAR(glare_of_part.sources[0].x, of_whole.sources[0].x - 150, 0.1);
+  EXPECT_THROW(picture_glare(of_part, loaded.scene->sensor(), {0, 0, 1}, 5000), Error);
 }
 
 TEST(Photometry, StatisticsAndScales) {
@@ -294,6 +315,33 @@ TEST(Photometry, OpenGroundUnderSkyAndSun) {
   EXPECT_NEAR(open(sun, {0, 1, 0}), 30000, 30);
   EXPECT_NEAR(open(sky + sun, {0, 1, 0}), 42000, 42);
   EXPECT_EQ(open("", {0, 1, 0}), 0);
+}
+
+/// A receiver in the open, which faces +y, and rays that find the sun in the lights.
+TEST(Photometry, OpenGroundUnderASmallSunIsThatOfATracedReceiver) {
+  const TemporaryFolder folder;
+  // A sun of 2 x 2 texels, 0.7 degrees, which fixed directions of a hemisphere would miss or count too much.
+  Image map{1024, 512, {"R", "G", "B"}, std::vector<float>(3 * 1024 * 512, 1.f), false};
+  for (const auto& [x, y] : {std::pair(300, 100), {301, 100}, {300, 101}, {301, 101}})
+    for (int c = 0; c < 3; ++c) map.pixels[std::size_t(3 * (y * 1024 + x) + c)] = 20000;
+  write_pfm(folder.path / "sun.pfm", map);
+  const std::string receiver =
+      "<scene version='3.0.0'><integrator type='path'/><sensor type='powermap'><string name='measure' value='irradiance'/>"
+      "<transform name='to_world'><rotate x='1' angle='-90'/></transform><film type='hdrfilm'><integer name='width' value='1'/>"
+      "<integer name='height' value='1'/><string name='quantity' value='illuminance'/><rfilter type='box'/></film>"
+      "<sampler type='sobol'><integer name='sample_count' value='131072'/></sampler></sensor>"
+      "<shape type='sphere'><point name='center' x='0' y='-30' z='0'/><bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf></shape>";
+  for (const std::string emitter :
+       {"<emitter type='envmap'><string name='filename' value='sun.pfm'/></emitter>",
+        "<emitter type='sunsky'/>"}) {
+    folder.write("open.xml", receiver + emitter + "</scene>");
+    const LoadedScene loaded = load_scene(folder.path / "open.xml");
+    RenderJob job(loaded, {});
+    job.run(std::atomic<bool>(false));
+    const Image picture = job.state().picture();
+    const double traced = double(picture.at(0, 0, std::size_t(picture.channel("Y"))));
+    EXPECT_NEAR(open_illuminance(*loaded.scene, {0, 1, 0}), traced, 3e-3 * traced) << emitter;
+  }
 }
 
 }  // namespace

@@ -105,14 +105,38 @@ TEST(LensSystem, AHyperboloidFocusesParallelLightIntoAPoint) {
   back.conic = -2.25;
   const LensSystem lens({surface(0, 5, 10, true), back});
   const std::vector<double> n{1.5, 1};
-  const Spot spot = distant_spot(lens, n, 550, 0, 60);
+  const Spot spot = object_spot(lens, n, 550, 0, kInfinite, 60);
   EXPECT_GT(spot.points.size(), 1000u);
   EXPECT_LT(spot.rms_radius, 1e-10);
   EXPECT_NEAR(best_focus(lens, n, 550, kInfinite), lens.film(), 1e-8);
   // A sphere in its place has spherical aberration: the marginal ray focuses shorter.
   const LensSystem sphere({surface(0, 5, 10, true), surface(-25, 50, 10)});
-  EXPECT_GT(distant_spot(sphere, n, 550, 0, 60).rms_radius, 0.1);
+  EXPECT_GT(object_spot(sphere, n, 550, 0, kInfinite, 60).rms_radius, 0.1);
   EXPECT_LT(best_focus(sphere, n, 550, kInfinite), sphere.paraxial_image(n, kInfinite) - 1);
+}
+
+TEST(LensSystem, SpotsOfNearPointsHaveTheParaxialMagnification) {
+  // A singlet in air by the formulae of thick lenses, its stop behind it.
+  const double n = 1.5168, first = 50, second = -80, thickness = 8, object = 200, field = 0.01;
+  LensSystem lens({surface(first, thickness, 10), surface(second, 60, 2, true)});
+  const double power = (n - 1) * (1 / first - 1 / second + (n - 1) * thickness / (n * first * second)),
+               focal = 1 / power, front = -focal * (n - 1) * thickness / (n * second),
+               rear = -focal * (n - 1) * thickness / (n * first);
+  const double from_principal = object + front, image = 1 / (power - 1 / from_principal);
+  lens.set_film(thickness + rear + image);
+  const std::vector<double> indices{n, 1};
+  // The stop seen through the lens: by the first surface, from the second one backwards.
+  const double pupil = 1 / (n / thickness - (n - 1) / first), below = (object + pupil) * std::tan(field);
+  const Spot spot = object_spot(lens, indices, 550, field, object, 60);
+  EXPECT_GT(spot.points.size(), 1000u);
+  EXPECT_NEAR(spot.centroid[1], image / from_principal * below, 2e-3 * below);
+  EXPECT_NEAR(spot.centroid[0], 0, 1e-9);
+  EXPECT_LT(spot.rms_radius, 0.02);
+  // In the focus of distant points the same point is a disc: the stop's, as wide as the focus is away.
+  lens.set_film(thickness + rear + focal);
+  const double defocus = image - focal, distance = rear + image;  // of the image from the stop
+  EXPECT_NEAR(object_spot(lens, indices, 550, 0, object, 60).rms_radius,
+              2 / std::sqrt(2) * defocus / distance, 0.03);
 }
 
 TEST(LensSystem, AspheresAreMetWhereASearchAlongTheRayFindsThem) {

@@ -12,6 +12,7 @@
 #include "aureole/bsdf/measured/half_vector_square.h"
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/parallel.h"
 #include "aureole/pigment/samples.h"
 #include "aureole/pigment/text_table.h"
@@ -121,9 +122,7 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
     std::vector<std::size_t> value_columns;
     std::map<std::string, std::size_t> error_columns;  // by the heading of the value
     for (std::size_t c = 0; c < rows[0].cells.size(); ++c) {
-      std::string heading = rows[0].cells[c].text;
-      std::transform(heading.begin(), heading.end(), heading.begin(),
-                     [](unsigned char x) { return std::tolower(x); });
+      std::string heading = lower_case(rows[0].cells[c].text);
       constexpr const char* kAngles[4] = {"theta_i", "phi_i", "theta_o", "phi_o"};
       const auto angle = std::find(std::begin(kAngles), std::end(kAngles), heading);
       if (angle != std::end(kAngles)) {
@@ -168,9 +167,7 @@ ScatteredMeasurements read_scattered_measurements(const std::filesystem::path& p
                               kMaxScatteredChannels));
     std::vector<std::size_t> uncertainties;
     for (const std::size_t c : value_columns) {
-      std::string heading = rows[0].cells[c].text;
-      std::transform(heading.begin(), heading.end(), heading.begin(),
-                     [](unsigned char x) { return std::tolower(x); });
+      std::string heading = lower_case(rows[0].cells[c].text);
       if (const auto at = error_columns.find(heading); at != error_columns.end())
         uncertainties.push_back(at->second);
     }

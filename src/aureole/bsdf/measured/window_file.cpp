@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 
 namespace aureole {
 namespace {
@@ -22,11 +23,6 @@ namespace {
 /// copy.
 constexpr std::uint64_t kMaxWindowBytes = std::uint64_t(1) << 27;
 constexpr std::size_t kMaxPatches = 4096, kMaxRings = 90;
-
-bool equal_without_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
-}
 
 std::string trimmed(std::string_view text) {
   const auto is_blank = [](unsigned char c) { return std::isspace(c) != 0; };

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/microfacet/microfacet.h"
 
-#include <cctype>
-
+#include "aureole/core/letter_case.h"
 #include "aureole/math/warp.h"
 
 namespace aureole {
@@ -110,9 +109,7 @@ Vec3 Microfacets::sample_all(Vec2 u) const {
 
 Roughness::Roughness(const Properties& p, bool variable) {
   const auto distribution = [&] {
-    std::string name = p.get_string("distribution", "beckmann");
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
+    const std::string name = lower_case(p.get_string("distribution", "beckmann"));
     if (name != "beckmann" && name != "ggx")
       throw p.error("distribution", "\"" + name + "\" is not one of beckmann, ggx" +
                                         did_you_mean(name, std::vector<std::string>{"beckmann", "ggx"}));

@@ -7,6 +7,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/parameter/grid/scalar_grid.h"
 #include "aureole/parameter/radiance/radiance_voxels.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 /// Whether a file begins as XML does.
 bool is_xml(const std::filesystem::path& file) {
-  if (file.extension() == ".xml") return true;
+  if (lower_extension(file) == ".xml") return true;
   InputFile input(file);
   std::string start(std::min<std::uint64_t>(input.size(), 4096), '\0');
   input.read(start.data(), start.size());

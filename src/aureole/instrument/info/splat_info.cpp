@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "aureole/core/image.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/instrument/info/file_info.h"
 #include "aureole/instrument/info/printed_text.h"
 #include "aureole/parameter/radiance/radiance_voxels.h"
@@ -15,7 +16,7 @@
 namespace aureole {
 
 bool is_splats(const std::filesystem::path& file) {
-  const std::string extension = file.extension().string();
+  const std::string extension = lower_extension(file);
   return extension == ".ply" || extension == ".glb" || extension == ".gltf" || extension == ".usda" ||
          is_splat_file(file);
 }

@@ -8,6 +8,7 @@
 
 #include "aureole/asset/asset.h"
 #include "aureole/core/error.h"
+#include "aureole/instrument/find_object.h"
 #include "aureole/shape/mesh/mesh.h"
 
 namespace aureole {
@@ -64,7 +65,7 @@ double Specimen::index_behind(const SpectralGrid& grid) const {
 
 LoadedSpecimen load_specimen(const std::filesystem::path& file, const std::string& id,
                              const LoadOptions& options, double thickness_m) {
-  const LoadedObjects loaded = load_objects(file, options);
+  const LoadedObjects loaded = load_wanted_objects(file, options, has_id(id));
   LoadedSpecimen result{{}, loaded.context->grid, loaded.context->length_unit_m, loaded.notes};
   Specimen& s = result.specimen;
   s.name = id;

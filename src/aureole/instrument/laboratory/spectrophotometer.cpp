@@ -27,6 +27,25 @@ double normal_number(KeyedRandom& random) {
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * kPiD * v);
 }
 
+/// The standard error of a mean of values with these deviations.
+double error_of(const std::vector<double>& deviations) {
+  const double n = double(deviations.size());
+  double squares = 0;
+  for (const double d : deviations) squares += d * d;
+  return n > 1 ? std::sqrt(squares / (n * (n - 1))) : INFINITY;
+}
+
+/// The errors of the values of all bands by their deviations.
+std::vector<double> tracing_errors(const std::vector<std::vector<double>>& deviations, std::size_t bands) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < bands; ++i) {
+    std::vector<double> of_band;
+    for (const auto& replicate : deviations) of_band.push_back(replicate[i]);
+    errors.push_back(error_of(of_band));
+  }
+  return errors;
+}
+
 /// Measured means over triangles of the width w exceed the spectrum by w^2/12 times its second derivative; this subtracts it
 /// (E. I. Stearns, R. E. Stearns, Color Res. Appl. 13(4), 1988; their 0.083 is 1/12 for a width of one step).
 void correct_bandwidth(const Bands& bands, MeasuredSpectrum& m) {
@@ -52,10 +71,18 @@ void correct_bandwidth(const Bands& bands, MeasuredSpectrum& m) {
     return y;
   };
   m.values = corrected(m.values);
-  // Errors of neighbours are taken for independent, but for those of the scales.
-  for (MeasuredSpectrum::Cause& cause : m.causes)
-    if (cause.name == "tracing" || cause.name == "detector")
-      for (double& e : cause.errors) e *= std::sqrt((1 + 2 * a) * (1 + 2 * a) + 2 * a * a);
+  // Bands share the paths of a replicate; the noise of the detector is that of each band alone.
+  for (auto& replicate : m.deviations) replicate = corrected(replicate);
+  for (MeasuredSpectrum::Cause& cause : m.causes) {
+    if (cause.name == "tracing") cause.errors = tracing_errors(m.deviations, n);
+    if (cause.name != "detector") continue;
+    const std::vector<double> before = cause.errors;
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool has_low = i > 0, has_high = i + 1 < n;
+      cause.errors[i] = std::hypot((1 + a * (int(has_low) + int(has_high))) * before[i],
+                                   a * std::hypot(has_low ? before[i - 1] : 0, has_high ? before[i + 1] : 0));
+    }
+  }
 }
 
 /// Adds the noise of the detector to the values, and the uncertainties of detector, standard and wavelengths.
@@ -230,14 +257,6 @@ std::vector<std::vector<double>> deviations_of(const ReadingPair& pair, const st
   return deviations;
 }
 
-/// The standard error of a mean of values with these deviations.
-double error_of(const std::vector<double>& deviations) {
-  const double n = double(deviations.size());
-  double squares = 0;
-  for (const double d : deviations) squares += d * d;
-  return n > 1 ? std::sqrt(squares / (n * (n - 1))) : INFINITY;
-}
-
 }  // namespace
 
 std::vector<MeasuringGeometry> measuring_geometries(bool transmission) {
@@ -306,7 +325,6 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
         specimen.name, index));
   MeasuredSpectrum m;
   m.nm = bench.bands().nm, m.notes = bench.notes();
-  MeasuredSpectrum::Cause tracing{"tracing", std::vector<double>(n)};
   if (s.is_pooled && !s.by_theory && g.has_sphere()) {
     const ReadingPair traced = read_pair(bench, specimen, s, scenes, false, m.notes);
     std::vector<std::string> of_theory;
@@ -321,11 +339,6 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
       m.values.push_back(pair.scale[i] * q.value);
     }
     m.deviations = deviations_of(pair, m.values);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    std::vector<double> of_band;
-    for (const auto& replicate : m.deviations) of_band.push_back(replicate[i]);
-    tracing.errors[i] = error_of(of_band);
   }
   for (std::size_t i = 0; i < n; ++i)
     if (!std::isfinite(m.values[i]))
@@ -352,7 +365,7 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
           100 * *low, 100 * *high, g.has_sphere() ? "port" : "lit area", 2e3 * outer));
     }
   }
-  m.causes.push_back(tracing);
+  m.causes.push_back({"tracing", tracing_errors(m.deviations, n)});
   add_errors(bench, s, s.method == Method::absolute ? 1 : g.transmits ? 1 : s.standard, m);
   if (s.correct_bandwidth) correct_bandwidth(bench.bands(), m);
   return m;
@@ -368,15 +381,14 @@ std::vector<double> luminance_weights(const std::vector<double>& nm) {
   return weights;
 }
 
+void use_beam_of_haze(SpectrophotometerSettings& s) {
+  s.lamp_angle = 0.1, s.viewed_m = s.lit_m = 2e-3, s.distance_m = 1;
+}
+
 Haze measure_haze(const Bench& bench, const Specimen& specimen, SpectrophotometerSettings s, double angle,
                   const std::vector<double>& weights) {
   if (!(angle > 0 && angle <= 10))
     throw Error(fmt::format("haze beyond {:g} degrees: more than 0 and at most 10 is expected", angle));
-  // A beam that is nearly parallel and narrow, as ASTM D1003 asks, unless another one is stated: the usual one is as wide as the port.
-  const SpectrophotometerSettings usual{};
-  if (s.lamp_angle == usual.lamp_angle) s.lamp_angle = 0.1;
-  if (s.viewed_m == usual.viewed_m && s.lit_m == usual.lit_m) s.viewed_m = s.lit_m = 2e-3;
-  if (s.distance_m == usual.distance_m) s.distance_m = 1;
   s.specular_angle = angle;
   s.geometry = measuring_geometry("0:di", true);
   const MeasuredSpectrum total = measure_spectrum(bench, specimen, s);

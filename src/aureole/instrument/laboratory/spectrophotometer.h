@@ -67,7 +67,7 @@ struct MeasuredSpectrum {
   /// (`optics::port_part`); empty unless a slab of a homogeneous medium is measured in reflection.
   std::vector<double> edge_loss;
   /// By replicate and band, the deviation of a value, of which the root of the mean square over the root of the replicates less
-  /// one is the error by tracing. Bands share paths, so that sums over bands need them.
+  /// one is the error by tracing. Bands share paths, so that sums over bands need them, such as the correction of the bandwidth.
   std::vector<std::vector<double>> deviations;
   /// The sum of all causes' squares under a root.
   double error(std::size_t band) const;
@@ -85,9 +85,12 @@ MeasuredSpectrum measure_spectrum(const Bench& bench, const Specimen& specimen,
 /// the weight 1. Throws Error where several wavelengths do not cover the visible range.
 std::vector<double> luminance_weights(const std::vector<double>& nm);
 
+/// Gives the settings the beam that ASTM D1003 asks for, nearly parallel and narrow: a half-angle of 0.1 degrees that lights 2 mm
+/// from 1 m away. The usual beam is as wide as the port.
+void use_beam_of_haze(SpectrophotometerSettings& settings);
+
 /// Haze: transmitted light that leaves its direction by more than `angle` [degrees], over all transmitted light (ASTM D1003,
-/// ISO 14782), by luminance. Where the settings have the usual lamp, lit and viewed area and distance, they become 0.1 degrees,
-/// 2 mm and 1 m.
+/// ISO 14782), by luminance, for the beam of the settings.
 struct Haze {
   double total = 0, haze = 0, total_error = 0, haze_error = 0;
 };

@@ -9,15 +9,13 @@
 #include <sstream>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/version.h"
-#include "aureole/pigment/letter_case.h"
 
 namespace aureole {
 namespace {
 
-std::string ending_of(const std::string& file) {
-  return pigment::lower_case(std::filesystem::path(file).extension().string());
-}
+std::string ending_of(const std::string& file) { return lower_extension(file); }
 
 /// A cell of a text table: in quotes where it holds a separator.
 std::string cell(std::string text) {

@@ -16,11 +16,11 @@ LensFigures figures_of_lens(const LensPrescription& lens, const LensSettings& se
   const std::vector<double> at_d = lens.indices(kHeliumLine);
   const optics::ParaxialLens open = system.paraxial(at_d);
   if (settings.f_number) {
-    const double n = *settings.f_number;
-    if (!(n >= open.f_number() * (1 - 1e-3)))
-      throw Error(fmt::format("--f-number {:g}: wide open the lens has f/{:.4g}", n, open.f_number()));
-    system.set_stop_semi_diameter(lens.surfaces[system.stop()].semi_diameter *
-                                  std::min(1.0, open.f_number() / n));
+    // The f-number of a divergent lens has the sign of its focal length.
+    const double n = *settings.f_number, wide = std::abs(open.f_number());
+    if (!(n >= wide * (1 - 1e-3)))
+      throw Error(fmt::format("--f-number {:g}: wide open the lens has f/{:.4g}", n, wide));
+    system.set_stop_semi_diameter(lens.surfaces[system.stop()].semi_diameter * std::min(1.0, wide / n));
   }
   if (!(settings.object > 0))
     throw Error(fmt::format("--distance {:g}: must be positive, in metres", settings.object / 1000));
@@ -51,13 +51,18 @@ LensFigures figures_of_lens(const LensPrescription& lens, const LensSettings& se
   const double focus = optics::best_focus(system, at_d, kHeliumLine, settings.object);
   system.set_film(focus);
   f.film = focus - last;
+  if (f.film < 0)
+    f.notes.push_back(fmt::format(
+        "the image of this object is virtual, {:.4g} mm before the last vertex, where no film can lie: spots are those "
+        "of the rays behind the lens, extended backwards",
+        -f.film));
   const double axial =
-      double(optics::distant_spot(system, at_d, kHeliumLine, 0, settings.rays).points.size());
+      double(optics::object_spot(system, at_d, kHeliumLine, 0, settings.object, settings.rays).points.size());
   for (const double field : settings.fields)
     for (const double nm : settings.nm) {
       if (settings.between) settings.between();
-      const optics::Spot s =
-          optics::distant_spot(system, lens.indices(nm), nm, field * M_PI / 180, settings.rays);
+      const optics::Spot s = optics::object_spot(system, lens.indices(nm), nm, field * M_PI / 180,
+                                                 settings.object, settings.rays);
       LensSpot& spot = f.spots.emplace_back();
       spot.field = field, spot.nm = nm;
       if (s.points.empty()) continue;
@@ -66,8 +71,8 @@ LensFigures figures_of_lens(const LensPrescription& lens, const LensSettings& se
       for (const auto& point : s.points)
         spot.points.push_back({1000 * (point[0] - s.centroid[0]), 1000 * (point[1] - s.centroid[1])});
     }
-  f.cutoff = 1 / (kHeliumLine * 1e-6 * p.f_number());
-  f.airy_radius = 1.21966989 * kHeliumLine * 1e-3 * p.f_number();
+  f.cutoff = 1 / (kHeliumLine * 1e-6 * std::abs(p.f_number()));
+  f.airy_radius = 1.21966989 * kHeliumLine * 1e-3 * std::abs(p.f_number());
   return f;
 }
 

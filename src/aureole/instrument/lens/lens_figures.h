@@ -32,9 +32,9 @@ struct LensFocus {
   double best = 0;      ///< smallest root mean square spot of the axial point
 };
 
-/// The spot of a distant point in the plane of the film.
+/// The spot of a point at the distance of the object in the plane of the film.
 struct LensSpot {
-  double field = 0, nm = 0;  ///< angle from the axis [degrees], wavelength
+  double field = 0, nm = 0;  ///< angle from the axis, seen from the entrance pupil [degrees], wavelength
   double height = 0;         ///< of the centroid above the axis [mm]
   double rms = 0;            ///< root mean square distance from the centroid [um]
   double open = 0;           ///< rays that arrive over those of the axial point at the line d
@@ -54,6 +54,7 @@ struct LensFigures {
   std::vector<LensSpot> spots;                    ///< for each field, one for each wavelength
   double cutoff = 0;                              ///< of diffraction at the line d [cycles/mm]
   double airy_radius = 0;                         ///< [um]
+  std::vector<std::string> notes{};               ///< for the user
 };
 
 /// Traces a lens. Throws Error where the settings, which it names as options, do not suit it.

@@ -47,13 +47,16 @@ LightField light_field_of(Image picture, const std::string& axes, const std::str
   return {found, std::move(picture)};
 }
 
-LightFieldAxes light_field_axes(const Properties& p, int film_width, int film_height) {
+LightFieldAxes light_field_axes(const Properties& p, const Film& film) {
   if (p.type() != "lightfield")
     throw Error(p.where(),
                 "the sensor is a \"" + p.type() + "\"; a light field needs the sensor \"lightfield\"");
+  if (film.crop_width() != film.width() || film.crop_height() != film.height())
+    throw Error(film.properties().where(),
+                "the film has a crop; a light field is the whole film, which holds all its views");
   LightFieldAxes f;
   f.views_x = int(p.get_int("views_x", 8)), f.views_y = int(p.get_int("views_y", f.views_x));
-  f.width = film_width / f.views_x, f.height = film_height / f.views_y;
+  f.width = film.width() / f.views_x, f.height = film.height() / f.views_y;
   f.aperture_width = p.get_float("aperture_width", 1),
   f.aperture_height = p.get_float("aperture_height", f.aperture_width);
   f.plane_distance = p.get_float("plane_distance", 1), f.field_width = p.get_float("field_width", 1);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "aureole/core/image.h"
+#include "aureole/film/film.h"
 #include "aureole/parameter/lightfield/light_field_axes.h"
 #include "aureole/plugin/properties.h"
 
@@ -19,8 +20,9 @@ struct LightField {
 /// A picture with the axes that its header states. Throws Error as `parse_light_field_axes`.
 LightField light_field_of(Image picture, const std::string& axes, const std::string& name);
 
-/// The axes of a sensor `lightfield` whose film has that size. Throws Error located at another sensor.
-LightFieldAxes light_field_axes(const Properties& sensor, int film_width, int film_height);
+/// The axes of a sensor `lightfield` with that film. Throws Error located at another sensor, or at a film with a crop, which
+/// does not hold all views.
+LightFieldAxes light_field_axes(const Properties& sensor, const Film& film);
 
 /// The picture of a camera with a round synthetic aperture of that diameter about (x, y) of the plane (s, t), in focus at
 /// the distance `focus`: the mean over the views in the aperture, bilinear in (u, v) (Ng 2005, "Fourier slice photography",

@@ -13,6 +13,7 @@
 #include "aureole/bsdf/measured/window_file.h"
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/instrument/find_object.h"
 #include "aureole/instrument/measured/rgl_writer.h"
 #include "aureole/instrument/measured/table_writers.h"
@@ -24,7 +25,7 @@ namespace {
 
 /// Returns the BSDF plug-in that reads a measured file, by the file's extension; empty for a scene.
 std::string plugin_of_file(const std::filesystem::path& file) {
-  const std::string ending = file.extension().string();
+  const std::string ending = lower_extension(file);
   if (ending == ".bsdf") return "measured";
   if (ending == ".binary") return "merl";
   if (ending == ".csv") return "tabulated";
@@ -71,12 +72,13 @@ ConvertibleBsdf load_convertible(const std::string& input, const LoadOptions& lo
     return {std::dynamic_pointer_cast<const Bsdf>(loaded.object), grid, loaded.notes};
   }
   const std::string file = input.substr(0, mark);
-  const LoadedObjects loaded = load_objects(file, load);
-  return {find_bsdf(loaded, file, input.substr(mark + 1)), loaded.context->grid, loaded.notes};
+  const std::string id = input.substr(mark + 1);
+  const LoadedObjects loaded = load_wanted_objects(file, load, has_id(id));
+  return {find_bsdf(loaded, file, id), loaded.context->grid, loaded.notes};
 }
 
 std::string format_of_output(const std::string& file) {
-  const std::string ending = std::filesystem::path(file).extension().string();
+  const std::string ending = lower_extension(file);
   if (ending == ".bsdf") return "rgl";
   if (ending == ".xml") return "klems";
   if (ending == ".csv") return "csv";

@@ -11,7 +11,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
-#include "aureole/pigment/letter_case.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
 namespace aureole {
@@ -243,7 +243,7 @@ private:
     std::string recipe = s.name;
     s.is_named_recipe = true;
     for (const pugi::xml_node& tag : descendants(object, "Tag")) {
-      const std::string name = pigment::lower_case(tag.attribute("Name").value()),
+      const std::string name = lower_case(tag.attribute("Name").value()),
                         value = tag.attribute("Value").value();
       if (name == "paints") {
         recipe = value, s.is_named_recipe = false;

@@ -11,8 +11,8 @@
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/instrument/paint/paint_files.h"
-#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/text_table.h"
 #include "aureole/pigment/wavelength_interpolation.h"
@@ -125,7 +125,7 @@ Lamp read_lamp(const std::string& file) {
       const bool is_pair = row.cells.size() == 2;
       // a first line without numbers is a line of headings
       if (points.empty() && !pigment::finite_number(row.cells[0].text)) {
-        const std::string heading = pigment::lower_case(row.cells[0].text);
+        const std::string heading = lower_case(row.cells[0].text);
         for (const char* micrometre : {"(um)", "[um]", "(µm)", "[µm]", "(μm)", "[μm]", "micron"})
           if (heading.find(micrometre) != heading.npos) scale = 1000;
         continue;
@@ -171,7 +171,7 @@ Lamp lamp_called(const std::string& name) {
 /// Returns the name of an illuminant as the tables spell it, for a name in any case.
 std::string illuminant_called(const std::string& name) {
   for (const std::string& known : illuminant_names())
-    if (pigment::lower_case(known) == pigment::lower_case(name)) return known;
+    if (lower_case(known) == lower_case(name)) return known;
   return name;
 }
 

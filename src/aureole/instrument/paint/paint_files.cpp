@@ -10,12 +10,12 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/instrument/paint/cxf_file.h"
 #include "aureole/instrument/paint/json_place.h"
 #include "aureole/pigment/cgats_text.h"
 #include "aureole/pigment/domain.h"
 #include "aureole/pigment/joint_fit.h"
-#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/text_table.h"
 #include "aureole/pigment/wavelength_interpolation.h"
@@ -286,12 +286,12 @@ JsonPath path_of_sample(const std::string& text, std::size_t index, int waveleng
   return path;
 }
 
-bool is_json_file(const std::string& file) { return pigment::lower_case(file).ends_with(".json"); }
+bool is_json_file(const std::string& file) { return lower_case(file).ends_with(".json"); }
 
 /// Detects the format by the extension, or else by the beginning of the text. CGATS has many extensions:
 /// .txt, .cgats, .ti3, .sp, .it8.
 std::string kind_of(const std::string& file, const std::string& text) {
-  const std::string ending = pigment::lower_case(file.substr(std::min(file.rfind('.'), file.size())));
+  const std::string ending = lower_case(file.substr(std::min(file.rfind('.'), file.size())));
   if (is_json_file(file)) return "json";
   if (ending == ".cxf") return "cxf";
   if (ending == ".csv") return "csv";
@@ -304,7 +304,7 @@ std::string kind_of(const std::string& file, const std::string& text) {
     if (first == line.npos) continue;
     if (is_first && line[first] == '<') return "cxf";
     is_first = false;
-    if (pigment::upper_case(line).compare(first, 17, "BEGIN_DATA_FORMAT") == 0) return "cgats";
+    if (upper_case(line).compare(first, 17, "BEGIN_DATA_FORMAT") == 0) return "cgats";
   }
   return "csv";
 }

@@ -10,6 +10,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/pigment/text_table.h"
 #include "aureole/spectrum/tables.h"
@@ -68,7 +69,7 @@ ArrayReading read_by_array(const ArrayReadingSettings& o) {
     throw Error(e.what());
   }
   ArrayReading r;
-  const bool is_picture = std::filesystem::path(o.target).extension() == ".exr";
+  const bool is_picture = lower_extension(o.target) == ".exr";
   if (!is_picture && (!o.pixel.empty() || !o.region.empty()))
     r.notes.push_back("--pixel and --region have no effect on a lamp");
   const LampPower spectrum = is_picture ? picture_spectrum(o) : lamp_power(o.target);

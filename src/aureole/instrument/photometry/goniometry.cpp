@@ -68,7 +68,7 @@ Luminaire measured_luminaire(const Image& picture, const GoniometryOptions& opti
                   optics::photometric_axes(optics::PhotometricType::c), azimuths, gamma, candela),
               .horizontal_count = azimuths.size(),
               .vertical_count = gamma.size(),
-              .opening = options.opening,
+              .opening = options.opening.value_or(LuminousOpening{}),
               .lamps = {{.count = 1, .flux = options.lamp_flux, .watts = options.watts}},
               .is_absolute = options.lamp_flux == 0};
   const double flux = l.distribution.flux();
@@ -82,13 +82,16 @@ Luminaire read_changed_luminaire(const std::filesystem::path& file, std::size_t 
   LuminaireOptions how;
   how.lamp_set = lamp_set, how.lamp_flux = options.lamp_flux;
   Luminaire l = read_luminaire(file, how);
+  if (lamp_set > 0 && l.format == Luminaire::Format::ies)
+    throw Error("--lamp-set " + std::to_string(lamp_set) + ": " + file.string() +
+                " is a file of LM-63, which has one set of lamps");
   if (options.flux > 0) {
     const double flux = l.distribution.flux();
     if (!(flux > 0)) throw Error(file.string() + ": the luminaire emits no light, which no flux can scale");
     l.distribution.scale(options.flux / flux);
   }
   if (options.watts > 0) l.lamps.at(l.lamp_set).watts = options.watts;
-  if (!options.opening.is_point()) l.opening = options.opening;
+  if (options.opening) l.opening = *options.opening;
   for (const auto& [key, value] : options.keywords) {
     const auto same = [&key = key](const auto& pair) { return pair.first == key; };
     const auto found = std::find_if(l.keywords.begin(), l.keywords.end(), same);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "aureole/core/image.h"
@@ -17,9 +18,9 @@ struct GoniometryOptions {
   enum class Symmetry { none, rotational, about_c0, about_c90, quadrants } symmetry = Symmetry::none;
   /// luminous flux of the luminaire [lm] to which the intensities are scaled; 0: as measured
   double flux = 0;
-  double lamp_flux = 0;  ///< luminous flux of its lamps [lm]; 0: absolute photometry
-  double watts = 0;      ///< electrical power [W]
-  LuminousOpening opening{};
+  double lamp_flux = 0;                      ///< luminous flux of its lamps [lm]; 0: absolute photometry
+  double watts = 0;                          ///< electrical power [W]
+  std::optional<LuminousOpening> opening{};  ///< nothing: that of the file; a measurement has a point
   std::vector<std::pair<std::string, std::string>> keywords{};
 };
 
@@ -27,7 +28,7 @@ struct GoniometryOptions {
 /// where the picture has no light.
 Luminaire measured_luminaire(const Image& picture, const GoniometryOptions& options);
 
-/// Reads a luminaire file, for which `options` state other fluxes, power, luminous opening (unless it is a point) or keywords.
+/// Reads a luminaire file, for which `options` state other fluxes, power, luminous opening or keywords.
 /// Throws Error.
 Luminaire read_changed_luminaire(const std::filesystem::path& file, std::size_t lamp_set,
                                  const GoniometryOptions& options);

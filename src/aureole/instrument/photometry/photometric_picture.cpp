@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
@@ -70,12 +71,17 @@ bool is_unit_of_flux(const std::string& unit) {
   return std::find(std::begin(kUnits), std::end(kUnits), unit) != std::end(kUnits);
 }
 
+std::array<int, 2> place_on_film(const Film& film, int width, int height) {
+  if (width == film.crop_width() && height == film.crop_height()) return {film.crop_x(), film.crop_y()};
+  if (width == film.width() && height == film.height()) return {0, 0};
+  throw Error(fmt::format("a picture of {} x {} pixels is not that of the film, which has {} x {}", width,
+                          height, film.crop_width(), film.crop_height()));
+}
+
 std::vector<double> cell_areas(const PlacedSensor& sensor, int width, int height) {
   if (!sensor.cell_areas) return {};
-  const int columns = int(sensor.part.width), left = int(std::lround(sensor.part.lower.x - sensor.part.left)),
-            top = int(std::lround(sensor.part.lower.y)), rows = int(sensor.cell_areas->size()) / columns;
-  const bool is_whole = columns == width && rows == height;
-  const int x0 = is_whole ? 0 : left, y0 = is_whole ? 0 : top;
+  const int columns = int(sensor.part.width), rows = int(sensor.cell_areas->size()) / columns;
+  const auto [x0, y0] = place_on_film(sensor.film(), width, height);
   if (x0 < 0 || y0 < 0 || x0 + width > columns || y0 + height > rows) return {};
   std::vector<double> areas;
   for (int y = 0; y < height; ++y)
@@ -153,8 +159,9 @@ struct PixelView {
 
 PixelView pixel_view(const PlacedSensor& camera, int width, int height) {
   PixelView view;
+  const auto place = place_on_film(camera.film(), width, height);
   const auto ray = [&](double x, double y) {
-    return camera.sample_ray({float(x), float(y)}, {0.5f, 0.5f}).ray;
+    return camera.sample_ray({float(place[0] + x), float(place[1] + y)}, {0.5f, 0.5f}).ray;
   };
   const Vec3 first = ray(0.5, 0.5).d, last = ray(width - 0.5, height - 0.5).d;
   if (!(length_squared(first - last) > 0))
@@ -177,8 +184,9 @@ PictureGlare picture_glare(const PhotometricMap& map, const PlacedSensor& camera
   if (map.unit != "cd/m^2" && map.unit != "nit")
     throw Error("glare needs a picture of the luminance in cd/m^2, not of " + map.quantity);
   const PixelView view = pixel_view(camera, map.width, map.height);
+  const Film& film = camera.film();
   const Vec3 sight =
-      camera.sample_ray({0.5f * float(map.width), 0.5f * float(map.height)}, {0.5f, 0.5f}).ray.d;
+      camera.sample_ray({0.5f * float(film.width()), 0.5f * float(film.height())}, {0.5f, 0.5f}).ray.d;
   const Vec3 across = cross(sight, up);
   if (!(length_squared(across) > 1e-6f)) throw Error("the line of sight is vertical: state another \"up\"");
   const Vec3 right = normalize(across), above = cross(right, sight);
@@ -247,12 +255,40 @@ PictureGlare picture_glare(const PhotometricMap& map, const PlacedSensor& camera
   return glare;
 }
 
+namespace {
+
+/// The irradiance of a plane with the normal `up` by a light at infinity. Half of the directions are sampled by the light, which
+/// finds the sun in a sky or in a picture of one, the others by the cosine; the balance heuristic combines them
+/// (E. Veach and L. J. Guibas, Optimally combining sampling techniques for Monte Carlo rendering, 1995).
+Spectrum irradiance_from_infinity(const Light& light, const Vec3& up, const Wavelengths& w) {
+  if (light.is_delta()) {
+    const auto s = light.sample_direct(light.scene_center, 0, {0.5f, 0.5f}, w);
+    return s ? s->radiance * std::max(0.f, dot(s->wo, up)) : Spectrum(0.f);
+  }
+  constexpr int kSide = 192;
+  const Frame frame = Frame::from_normal(up);
+  std::array<double, kWavelengths> sum{};
+  const auto add = [&](const Vec3& d, const Spectrum& radiance) {
+    const float cosine = dot(d, up);
+    if (!(cosine > 0)) return;
+    const double pdf = double(light.pdf_direct_escaped(light.scene_center, up, d)) + double(cosine) / M_PI;
+    for (int k = 0; k < kWavelengths; ++k) sum[std::size_t(k)] += double(radiance[k]) * double(cosine) / pdf;
+  };
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vec2 u{(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide};
+    if (const auto s = light.sample_direct_facing(light.scene_center, up, 0, u, w)) add(s->wo, s->radiance);
+    const Vec3 d = normalize(frame.to_world(square_to_cosine_hemisphere(u)));
+    add(d, light.eval_escaped(d, w));
+  }
+  return make_spectrum([&](int k) { return float(sum[std::size_t(k)] / (kSide * kSide)); });
+}
+
+}  // namespace
+
 double open_illuminance(const Scene& scene, const Vec3& up) {
   const SpectralGrid& grid = scene.wavelengths().grid();
   const SampledSpectrum weight = photopic_efficacy(grid);
-  constexpr int kRings = 96, kSpokes = 96;
   double total = 0;
-  const Frame frame = Frame::from_normal(up);
   const int nodes = grid.cells + 1;
   for (const Light& light : scene.emitters()) {
     if (!light.is_infinite()) continue;
@@ -260,22 +296,12 @@ double open_illuminance(const Scene& scene, const Vec3& up) {
       const auto node = [&](int k) { return std::min(first + k, nodes - 1); };
       const Wavelengths w =
           Wavelengths::at(grid, make_spectrum([&](int k) { return float(grid.node(node(k))); }));
-      Spectrum sum = 0.f;
-      if (light.is_delta()) {
-        if (const auto s = light.sample_direct(light.scene_center, 0, {0.5f, 0.5f}, w))
-          sum = s->radiance * (std::max(0.f, dot(s->wo, up)) * kRings * kSpokes / kPi);
-      } else {
-        // Directions of a quadrature with the density cos/pi.
-        for (int i = 0; i < kRings * kSpokes; ++i) {
-          const Vec2 u{(float(i % kRings) + 0.5f) / kRings, (float(i / kRings) + 0.5f) / kSpokes};
-          sum += light.eval_escaped(normalize(frame.to_world(square_to_cosine_hemisphere(u))), w);
-        }
-      }
+      const Spectrum irradiance = irradiance_from_infinity(light, up, w);
       const double step = (grid.max_nm - grid.min_nm) / grid.cells;
       for (int k = 0; k < kWavelengths && first + k < nodes; ++k) {
         const bool is_end = first + k == 0 || first + k == nodes - 1;
-        total += double(sum[k]) * M_PI / (kRings * kSpokes) * double(weight.nodes()[std::size_t(first + k)]) *
-                 step * (is_end ? 0.5 : 1);
+        total += double(irradiance[k]) * double(weight.nodes()[std::size_t(first + k)]) * step *
+                 (is_end ? 0.5 : 1);
       }
     }
   }

@@ -2,6 +2,7 @@
 // Evaluates pictures in photometric units: statistics, uniformity, false colours, glare and daylight factors.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,10 @@ struct MapRegion {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+/// The position on a film of the upper left corner of a picture of its crop, or of the whole film [pixels]. Throws Error for a
+/// picture of another size.
+std::array<int, 2> place_on_film(const Film& film, int width, int height);
+
 /// The areas of the cells of a power map on a shape, for a map of its film or of the film's crop; empty for other sensors.
 std::vector<double> cell_areas(const PlacedSensor& sensor, int width, int height);
 
@@ -77,8 +82,8 @@ struct PictureGlare {
   std::vector<PictureGlareSource> sources;  ///< sources, the largest contribution first
   std::size_t outside = 0;                  ///< number of sources smaller or larger than CIE 117 allows
 };
-/// Evaluates the glare of a picture. The line of sight goes through the middle of the picture, and `up`
-/// [world] points upwards. Sources are connected pixels of at least `threshold`; 0: five times the mean.
+/// Evaluates the glare of a picture. The line of sight goes through the middle of the film, of which the picture may be a crop,
+/// and `up` [world] points upwards. Sources are connected pixels of at least `threshold`; 0: five times the mean.
 /// Throws Error.
 PictureGlare picture_glare(const PhotometricMap& map, const PlacedSensor& camera, const Vec3& up,
                            double threshold);

@@ -268,18 +268,22 @@ std::array<double, 5> ugr_backgrounds(const Luminaire& luminaire, const UgrRoom&
   return RoomLight(luminaire, options).backgrounds(room)[std::size_t(view)];
 }
 
+void require_ugr_spacing(double spacing) {
+  const double per_height = 1 / spacing;
+  if (!(spacing > 0 && per_height >= 1 - 1e-9 && per_height <= 20 + 1e-9 &&
+        std::abs(per_height - std::round(per_height)) < 1e-6))
+    throw Error(fmt::format(
+        "--spacing {:g}: 1 over it must be a whole number from 1 to 20, so that luminaires fill all rooms",
+        spacing));
+}
+
 UgrTable ugr_table(const Luminaire& luminaire, const UgrOptions& options) {
   if (luminaire.type != optics::PhotometricType::c)
     throw Error("a table of UGR is that of a luminaire of type C, which hangs in a room");
   if (luminaire.opening.is_point())
     throw Error(
         "the luminaire has no luminous area, by which its luminance is reckoned: state it by --opening");
-  const double per_height = 1 / options.spacing;
-  if (!(options.spacing > 0 && per_height >= 1 - 1e-9 && per_height <= 20 + 1e-9 &&
-        std::abs(per_height - std::round(per_height)) < 1e-6))
-    throw Error(fmt::format(
-        "--spacing {:g}: 1 over it must be a whole number from 1 to 20, so that luminaires fill all rooms",
-        options.spacing));
+  require_ugr_spacing(options.spacing);
   UgrTable table;
   table.spacing = options.spacing;
   const double flux = luminaire.distribution.flux();

@@ -74,6 +74,9 @@ struct UgrTable {
   std::vector<std::string> notes;
 };
 
+/// Throws Error for spacings of which no whole number fills the rooms.
+void require_ugr_spacing(double spacing);
+
 /// The table of a luminaire of type C that hangs with gamma = 0 downwards. Crosswise, the half-plane C = 0 of EULUMDAT faces
 /// the observer, and endwise C = 90. Throws Error for luminaires without luminous area and of other types, and for spacings
 /// that do not divide the rooms.

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/render/state.h"
 #include "aureole/render/statistics.h"
@@ -18,8 +18,7 @@ namespace {
 enum class Format { exr, hdr, pfm, png, jpeg, tiff };
 
 Format format_called(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_extension(file);
   if (extension == ".exr") return Format::exr;
   if (extension == ".hdr" || extension == ".rgbe" || extension == ".pic") return Format::hdr;
   if (extension == ".pfm") return Format::pfm;

@@ -222,8 +222,8 @@ double LensSystem::paraxial_image(std::span<const double> indices, double object
   return vertices_[surfaces_.size() - 1] - n * y / nu;
 }
 
-Spot distant_spot(const LensSystem& lens, std::span<const double> indices, double nm, double field,
-                  int rays) {
+Spot object_spot(const LensSystem& lens, std::span<const double> indices, double nm, double field,
+                 double object, int rays) {
   const ParaxialLens p = lens.paraxial(indices);
   Spot spot;
   double x_sum = 0, y_sum = 0;
@@ -235,7 +235,13 @@ Spot distant_spot(const LensSystem& lens, std::span<const double> indices, doubl
       const double x = reach * (2 * (i + 0.5) / rays - 1), y = reach * (2 * (j + 0.5) / rays - 1);
       const double back = 10 + std::abs(p.entrance_pupil) + 2 * lens.surfaces()[0].semi_diameter;
       LensRay ray{{x, y, p.entrance_pupil}, {0, std::sin(field), std::cos(field)}};
-      for (std::size_t k = 0; k < 3; ++k) ray.o[k] -= ray.d[k] * back / ray.d[2];
+      if (std::isinf(object)) {
+        for (std::size_t k = 0; k < 3; ++k) ray.o[k] -= ray.d[k] * back / ray.d[2];
+      } else {
+        const double along = p.entrance_pupil + object, below = along * std::tan(field),
+                     norm = std::hypot(x, y + below, along);
+        ray = {{0, -below, -object}, {x / norm, (y + below) / norm, along / norm}};
+      }
       spot.launched += x * x + y * y <= p.entrance_semi * p.entrance_semi;
       const auto t = lens.trace(ray, indices, nm);
       if (!t) continue;

@@ -103,9 +103,11 @@ struct Spot {
   double launched = 0;       ///< number of rays that were aimed at the lens
   double transmittance = 0;  ///< mean over the rays that arrive
 };
-/// Traces a square grid of `rays` x `rays` rays of a distant object, at the angle `field` [rad] from the axis in the plane
-/// of y, over the paraxial entrance pupil.
-Spot distant_spot(const LensSystem& lens, std::span<const double> indices, double nm, double field, int rays);
+/// Traces a square grid of `rays` x `rays` rays of a point over the paraxial entrance pupil. The point is at the distance `object`
+/// before the first vertex (may be infinite) and, seen from the middle of the pupil, at the angle `field` [rad] from the axis in
+/// the plane of y, below it.
+Spot object_spot(const LensSystem& lens, std::span<const double> indices, double nm, double field,
+                 double object, int rays);
 /// z at which the axial point at the distance `object` (may be infinite) has the smallest root mean square spot.
 double best_focus(const LensSystem& lens, std::span<const double> indices, double nm, double object);
 

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <type_traits>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/core/parallel.h"
 #include "aureole/parameter/grid/grid_reader.h"
 #include "aureole/parameter/voxel_data.h"
@@ -84,7 +85,7 @@ Reader reader_of(const std::filesystem::path& file, std::span<const std::byte> b
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 4096));
   if (start.starts_with("NRRD")) return read_nrrd;
-  if (start.starts_with("VOL") || file.extension() == ".vol") return read_vol_grid;
+  if (start.starts_with("VOL") || lower_extension(file) == ".vol") return read_vol_grid;
   if (start.starts_with("\x93NUMPY")) return read_npy;
   if (start.starts_with(std::string_view("II*\0", 4)) || start.starts_with(std::string_view("MM\0*", 4)) ||
       start.starts_with(std::string_view("II+\0", 4)) || start.starts_with(std::string_view("MM\0+", 4)))
@@ -96,7 +97,7 @@ Reader reader_of(const std::filesystem::path& file, std::span<const std::byte> b
       if (header == 348 || header == 540) return read_nifti;
     }
   if (start.find("<VTKFile") != start.npos) return read_vti;
-  if (start.find('\0') == start.npos || file.extension() == ".mha")
+  if (start.find('\0') == start.npos || lower_extension(file) == ".mha")
     for (const char* key : {"ObjectType", "NDims", "DimSize"})
       if (const auto at = start.find(key); at != start.npos && (at == 0 || start[at - 1] == '\n'))
         return read_meta_image;

@@ -10,7 +10,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
-#include "aureole/pigment/letter_case.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
 namespace aureole {
@@ -91,14 +91,13 @@ LensGlass glass_of(const LensLines& lines, const LensWord& word) {
     return LensGlass::of_index(*index);
   }
   if (auto glass = LensGlass::named(text)) return *glass;
-  throw lines.fault(
-      word.column,
-      fmt::format("unknown glass \"{}\"{}. An index, or nd/Vd, describes any glass", text,
-                  did_you_mean(pigment::lower_case(std::string(text)), refractive_index_names())));
+  throw lines.fault(word.column,
+                    fmt::format("unknown glass \"{}\"{}. An index, or nd/Vd, describes any glass", text,
+                                did_you_mean(lower_case(text), refractive_index_names())));
 }
 
 double curvature_of(const LensLines& lines, const LensWord& word) {
-  const std::string text = pigment::lower_case(std::string(word.text));
+  const std::string text = lower_case(word.text);
   if (text == "inf" || text == "infinity" || text == "plane" || text == "flat" || text == "-inf") return 0;
   const double radius = lines.number(word, "a radius of curvature in mm, \"plane\" or \"stop\"");
   return radius == 0 ? 0 : 1 / radius;
@@ -124,7 +123,7 @@ void read_coating(const LensLines& lines, const LensWord& word, std::string_view
 }
 
 void read_option(const LensLines& lines, const LensWord& word, optics::LensSurface& s) {
-  const std::string text = pigment::lower_case(std::string(word.text));
+  const std::string text = lower_case(word.text);
   if (text == "stop") return void(s.is_stop = true);
   const std::size_t equals = text.find('=');
   const std::string key = text.substr(0, equals);
@@ -154,7 +153,7 @@ LensPrescription read_lens_table(const std::string& text, const std::filesystem:
   while (lines.next(line)) {
     const std::vector<LensWord> words = lens_words_of(line, '#');
     if (words.empty()) continue;
-    const std::string first = pigment::lower_case(std::string(words[0].text));
+    const std::string first = lower_case(words[0].text);
     if (first == "name") {
       if (words.size() > 1) {
         lens.name = std::string(line.substr(std::size_t(words[1].column) - 1));
@@ -217,7 +216,7 @@ LensPrescription read_zmx(const std::string& text, const std::filesystem::path& 
     }
     if (key == "UNIT") {
       need(1);
-      const std::string name = pigment::lower_case(std::string(words[1].text));
+      const std::string name = lower_case(words[1].text);
       if (name != "mm" && name != "cm" && name != "in" && name != "inch" && name != "meter")
         throw lines.fault(words[1].column,
                           fmt::format("unknown unit \"{}\"; there are: MM, CM, IN, METER", words[1].text));
@@ -251,7 +250,7 @@ LensPrescription read_zmx(const std::string& text, const std::filesystem::path& 
       s.conic = lines.number(words[1], "a conic constant");
     } else if (key == "DISZ") {
       need(1);
-      const std::string value = pigment::lower_case(std::string(words[1].text));
+      const std::string value = lower_case(words[1].text);
       if (value != "infinity")
         s.thickness = lines.number(words[1], "a thickness or INFINITY") * unit;
       else if (lens.surfaces.size() > 1)
@@ -323,7 +322,7 @@ LensGlass LensGlass::of_abbe_number(double nd, double abbe_number) {
 }
 
 std::optional<LensGlass> LensGlass::named(std::string_view name) {
-  const std::string lower = pigment::lower_case(std::string(name));
+  const std::string lower = lower_case(name);
   if (lower == "air" || lower == "vacuum") return air();
   auto index = find_refractive_index(lower);
   // A material that absorbs, such as a metal, makes no lens.

@@ -314,6 +314,7 @@ Luminaire read_eulumdat(const std::string& text, const std::filesystem::path& fi
 std::string eulumdat_text(const Luminaire& luminaire) {
   const optics::IntensityDistribution& d = luminaire.distribution;
   if (luminaire.type != optics::PhotometricType::c) throw Error("files of type C alone are written");
+  luminaire_reader::require_lines(luminaire);
   const bool is_rotational = d.is_rotational();
   // C = 0 runs across the luminaire here, and 360 degrees are not repeated.
   const bool along = d.axes().zero[0] != 0;

@@ -457,6 +457,7 @@ Luminaire read_ies(const std::string& text, const std::filesystem::path& file,
 std::string ies_text(const Luminaire& luminaire) {
   const optics::IntensityDistribution& d = luminaire.distribution;
   if (luminaire.type != optics::PhotometricType::c) throw Error("files of type C alone are written");
+  luminaire_reader::require_lines(luminaire);
   std::string s = "IES:LM-63-2019\n";
   for (const auto& [name, value] : luminaire.keywords) {
     if (name.empty()) continue;

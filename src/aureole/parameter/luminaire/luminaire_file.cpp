@@ -62,6 +62,12 @@ bool has_lines_of_eulumdat(const std::string& text) {
 
 }  // namespace
 
+void luminaire_reader::require_lines(const Luminaire& luminaire) {
+  for (const auto& [name, value] : luminaire.keywords)
+    if ((name + value).find_first_of("\r\n") != std::string::npos)
+      throw Error("the keyword " + name + " has more than one line, which a luminaire's file cannot hold");
+}
+
 Luminaire parse_luminaire(std::string text, const std::filesystem::path& file,
                           const LuminaireOptions& options) {
   std::vector<std::string> notes;

@@ -91,7 +91,7 @@ Luminaire parse_luminaire(std::string text, const std::filesystem::path& file,
                           const LuminaireOptions& options = {});
 
 /// Returns the text of the file in LM-63-2019 or EULUMDAT for a luminaire of type C. Its table has C from 0 to 360
-/// degrees, or one half-plane. EULUMDAT needs equal rows of angles from 0 to 180 degrees. Throws Error.
+/// degrees, or one half-plane. Throws Error for other types, for keywords of several lines, and by EULUMDAT for a luminaire without light.
 std::string ies_text(const Luminaire& luminaire);
 std::string eulumdat_text(const Luminaire& luminaire);
 

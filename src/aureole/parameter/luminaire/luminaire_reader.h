@@ -48,6 +48,8 @@ void mirror(MeasuredTable& table, double about);
 /// Returns the half-planes [degrees] of a table rotated by `angle`, from 0 to 360; a single half-plane is
 /// unchanged.
 std::vector<double> turned_half_planes(const std::vector<double>& azimuths, double angle);
+/// Throws Error for a keyword of several lines, which files of lines cannot hold.
+void require_lines(const Luminaire& luminaire);
 /// Returns the axes of a type, where C = 0 may run across the luminaire.
 optics::PhotometricAxes axes_of(optics::PhotometricType type, bool zero_is_across);
 

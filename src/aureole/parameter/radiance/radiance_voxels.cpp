@@ -11,6 +11,7 @@
 #include <limits>
 #include <span>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/core/memory.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/parallel.h"
@@ -215,7 +216,7 @@ std::size_t RadianceVoxels::memory_bytes() const {
 bool is_radiance_voxels_file(const std::filesystem::path& file) {
   const SharedBytes bytes = map_file(file);
   return bytes.size() >= 2 && bytes.bytes[0] == std::byte('P') && bytes.bytes[1] == std::byte('K') &&
-         file.extension() == ".npz";
+         lower_extension(file) == ".npz";
 }
 
 void radiance_reader::empty_bad_voxels(RadianceVoxels& g) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/core/parallel.h"
 #include "aureole/parameter/splat/spherical_harmonics.h"
 #include "aureole/parameter/splat/splat_reader.h"
@@ -23,9 +24,7 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view text) {
 
 /// Returns the reader of a file, or null.
 SplatReaderFunction splat_reader_of(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  const std::string extension = lower_extension(file);
   if (starts_with(bytes, "ply\n") || starts_with(bytes, "ply\r")) return splat_reader::read_ply;
   if (starts_with(bytes, "NGSP") || (starts_with(bytes, "\x1f\x8b") && extension == ".spz"))
     return splat_reader::read_spz;
@@ -190,7 +189,7 @@ bool is_splat_file(const std::filesystem::path& file) {
 SplatCloud read_splat_file(const std::filesystem::path& file, const SplatFileOptions& options) {
   return read_mapped(file, [&](const SharedBytes& bytes) {
     const auto reader = splat_reader_of(file, bytes.bytes);
-    if (!reader && (starts_with(bytes.bytes, "PXR-USDC") || file.extension() == ".usdz"))
+    if (!reader && (starts_with(bytes.bytes, "PXR-USDC") || lower_extension(file) == ".usdz"))
       throw Error(
           "is a binary file of OpenUSD: text is read, which \"usdcat --flatten -o FILE.usda\" writes");
     if (!reader)

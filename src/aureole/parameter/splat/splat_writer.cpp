@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "aureole/core/error.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/output_file.h"
 #include "aureole/parameter/splat/spherical_harmonics.h"
 
@@ -286,7 +287,7 @@ const std::vector<std::string>& splat_extensions() {
 
 std::vector<std::string> write_splat_file(const std::filesystem::path& file, const SplatCloud& cloud) {
   std::vector<std::string> notes;
-  const std::string extension = file.extension().string();
+  const std::string extension = lower_extension(file);
   std::string bytes;
   try {
     if (extension == ".ply" && cloud.kind == SplatCloud::Kind::points)
