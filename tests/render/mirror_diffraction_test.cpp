@@ -45,18 +45,20 @@ struct Periscope {
   int columns = 1;
   std::string integrator = "path";
   double rise = 0;  ///< of the direction in which it looks, per distance along x
+  std::string polarisation = "none";
 
   Picture picture() const {
     return render(fmt::format(
-                      R"(<integrator type="{}"><boolean name="diffraction" value="true"/></integrator>
+                      R"(<integrator type="{}"><boolean name="diffraction" value="true"/>
+    <string name="diffraction_polarisation" value="{}"/></integrator>
   <sensor type="perspective"><float name="fov" value="{}"/><float name="near_clip" value="1e-4"/>
     <transform name="to_world"><lookat origin="-{}, 0, 0" target="0, 0, {}" up="0, 1, 0"/></transform>
     <film type="specfilm"><integer name="width" value="{}"/><integer name="height" value="1"/><rfilter type="box"/>
       <float name="wavelength_min" value="549.9"/><float name="wavelength_max" value="550.1"/>
       <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
     <sampler type="sobol"><integer name="sample_count" value="{}"/></sampler></sensor>)",
-                      integrator, 2 * std::atan(half) * 180 / M_PI, before, rise * before, columns,
-                      test::kSanitized ? 1 : samples) +
+                      integrator, polarisation, 2 * std::atan(half) * 180 / M_PI, before, rise * before,
+                      columns, test::kSanitized ? 1 : samples) +
                   shapes);
   }
   double loss(const std::string& obstacles, double* error = nullptr) const {
@@ -254,6 +256,40 @@ TEST(MirrorDiffraction, EdgesOnBothSidesOfAMirror) {
       std::printf("edges %g m before and behind a mirror: %.2f dB, expected %.2f\n", s, measured, expected);
       EXPECT_NEAR(measured, expected, 0.2) << s << " " << h1 << " " << h2;
     }
+}
+
+// Behind a mirror left and right are exchanged: wedges of metal with a polarisation, and three edges one behind the other, act as
+// those of the unfolded scene.
+TEST(MirrorDiffraction, WedgesAndRowsAreThoseOfTheUnfoldedScene) {
+  const auto block = [](double x0, double x1, double z0, double z1) {
+    return fmt::format(
+               R"(<shape type="cube"><transform name="to_world"><scale x="{}" z="{}"/><translate x="{}" z="{}"/></transform>)",
+               (x1 - x0) / 2, (z1 - z0) / 2, (x0 + x1) / 2, (z0 + z1) / 2) +
+           kReflects;
+  };
+  const double h = unit_of_v(1.4, 0.6), low = 1e-4;
+  const struct {
+    const char* polarisation;
+    std::string mirrored, unfolded;
+  } kCases[] = {
+      {"none", block(-0.3, h, 0.4, 0.5), block(0.4, 0.5, -0.3, h)},
+      {"soft", block(-0.3, 2 * h, 0.4, 0.5), block(0.4, 0.5, -0.3, 2 * h)},
+      {"hard", block(-0.3, 2 * h, 0.4, 0.5), block(0.4, 0.5, -0.3, 2 * h)},
+      {"none", across_x(-0.6, low) + across_z(0.2, low) + across_z(0.4, low / 2),
+       across_x(-0.6, low) + across_x(0.2, low) + across_x(0.4, low / 2)},
+  };
+  const std::string light = turned(
+      0.5, 0.5, -90, 1, 0, R"(<emitter type="area"><spectrum name="radiance" value="1"/></emitter></shape>)");
+  for (const auto& [polarisation, mirrored, unfolded] : kCases) {
+    Periscope periscope{1, lower_mirror() + ceiling(1), 4096};
+    periscope.polarisation = polarisation;
+    const double measured = periscope.loss(mirrored);
+    periscope.shapes = light;
+    const double expected = periscope.loss(unfolded);
+    if (test::kSanitized) continue;
+    std::printf("%s: %.2f dB by way of a mirror, %.2f dB unfolded\n", polarisation, measured, expected);
+    EXPECT_NEAR(measured, expected, 0.25) << polarisation;
+  }
 }
 
 TEST(MirrorDiffraction, LightOfTheSky) {
