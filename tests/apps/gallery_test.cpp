@@ -142,9 +142,9 @@ TEST(VolumesGallery, EverySceneLoads) {
 TEST(DiffractionGallery, EverySceneLoads) {
   EXPECT_EQ(load_figures("diffraction"),
             (std::vector<std::string>{"edge_functions", "edge_amplitudes", "edge_approximation", "wedge",
-                                      "openings", "double_slit", "star", "two_slits", "mesh", "comb", "razor",
-                                      "fringes", "patterns", "block", "leaves", "window", "street",
-                                      "street_polarised"}));
+                                      "openings", "double_slit", "field_maps", "star", "two_slits", "mesh",
+                                      "comb", "razor", "fringes", "patterns", "block", "leaves", "window",
+                                      "street", "street_polarised"}));
 }
 
 TEST(DiffractionGallery, TheSolversNumbersAreThoseOfTheTest) {
@@ -352,11 +352,11 @@ TEST_F(GalleryCommand, MakesThePlotsOfDiffraction) {
     for (const Json& plot : figure["plots"]) {
       const std::string kind = plot["kind"];
       const auto list = lists.find(kind);
-      files[kind] += list == lists.end() ? 1 : plot.at(list->second).size();
+      files[kind] += kind == "field_maps" ? 6 : list == lists.end() ? 1 : plot.at(list->second).size();
     }
   }
-  EXPECT_EQ(figures.size(), 6u);
-  EXPECT_EQ(files.size(), lists.size() + 1) << "slits_and_solver has one file";
+  EXPECT_EQ(figures.size(), 7u);
+  EXPECT_EQ(files.size(), lists.size() + 2);
   write(figures);
   const Outcome o = run();
   ASSERT_EQ(o.exit_code, 0) << o.output;
@@ -546,6 +546,16 @@ TEST_F(GalleryCommand, MistakesInTheFileAreErrorsWithTheirLine) {
           "did you mean \"structure_map\"?");
   refused(changed([](Json& f) { f[1]["plots"][0]["u"] = "x"; }), "needs \"u\", a number from 1 to 200");
   refused(changed([](Json& f) { f[1]["plots"][0]["v"] = 1; }), "has no member \"v\"");
+  const auto field_maps = [&](const std::vector<double>& blocks, const std::vector<double>& map) {
+    return changed([&](Json& f) {
+      f[1]["plots"][0] = {
+          {"kind", "field_maps"}, {"degrees", 0}, {"blocks", blocks}, {"map", map}, {"range_db", {-30, 5}}};
+    });
+  };
+  refused(field_maps({0, 0, 1}, {0, 0, 1, 1}), "four numbers for each block");
+  refused(field_maps({0, 0, 1, 1, 2, 0, 2, 1}, {0, 0, 1, 1}), "the block 2 has not");
+  refused(field_maps({-90, -90, 90, 90}, {0, 0, 1, 1}), "may be 300 wavelengths long, not 720");
+  refused(field_maps({0, 0, 1, 1}, {0, 0, 1, 0}), "x0 < x1 and y0 < y1");
   refused(changed([](Json& f) {
             f[0]["renders"][0]["defines"] = {{"fov", Json::array()}};
           }),

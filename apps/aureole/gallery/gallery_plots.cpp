@@ -21,6 +21,7 @@
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/particle/mie_sphere.h"
 #include "gallery/gallery_edge_plots.h"
+#include "gallery/gallery_field_plots.h"
 #include "gallery/gallery_laboratory_plots.h"
 #include "gallery/gallery_light_plots.h"
 #include "gallery/gallery_volume_plots.h"
@@ -287,6 +288,40 @@ void plot_opening(const GalleryPlot& plot, GallerySize, Output& out) {
   }
 }
 
+FieldScene field_scene(const GalleryPlot& plot) {
+  const std::vector<double> corners = numbers(plot, "blocks"), map = numbers(plot, "map"),
+                            range = numbers(plot, "range_db");
+  if (corners.size() % 4 != 0)
+    throw Error("a plot \"field_maps\" needs in \"blocks\" four numbers for each block: x0, y0, x1, y1");
+  if (map.size() != 4 || !(map[0] < map[2] && map[1] < map[3]))
+    throw Error("a plot \"field_maps\" needs \"map\", the numbers x0, y0, x1, y1 with x0 < x1 and y0 < y1");
+  if (range.size() != 2 || !(range[0] < range[1]))
+    throw Error("a plot \"field_maps\" needs \"range_db\", two increasing numbers");
+  FieldScene scene{{}, number(plot, "degrees"), map[0], map[1], map[2], map[3], range[0], range[1]};
+  double around = 0;
+  for (std::size_t i = 0; i < corners.size(); i += 4) {
+    const MetalBlock b{corners[i], corners[i + 1], corners[i + 2], corners[i + 3]};
+    if (!(b.x0 < b.x1 && b.y0 < b.y1))
+      throw Error(fmt::format(
+          "a plot \"field_maps\" needs blocks with x0 < x1 and y0 < y1; the block {} has not", i / 4 + 1));
+    around += 2 * (b.x1 - b.x0 + b.y1 - b.y0);
+    scene.blocks.push_back(b);
+  }
+  constexpr double kMost = 300;
+  if (around > kMost)
+    throw Error(fmt::format(
+        "the outlines of the blocks of a plot \"field_maps\" may be {:g} wavelengths long, not {:g}", kMost,
+        around));
+  return scene;
+}
+
+void plot_field_maps(const GalleryPlot& plot, GallerySize size, Output& out) {
+  for (const FieldMap& m :
+       field_maps(field_scene(plot), size == kFullSize ? 240 : 60, size == kFullSize ? 2 : 1, out.stop()))
+    out.map(
+        m.width, m.height, [&](int x, int y) { return m.values[std::size_t(y * m.width + x)]; }, m.caption);
+}
+
 void plot_instruments(const GalleryPlot& plot, GallerySize size, Output& out) {
   const LaboratoryCurves c = five_instruments(number(plot, "base"), number(plot, "ior"),
                                               size == kFullSize ? 1 << 19 : 1 << 16, out.stop());
@@ -440,6 +475,13 @@ const std::map<std::string, Kind>& kinds() {
         {{P::word, "shape", 0, 0, {"square", "ring", "slits"}},
          {P::number, "wavelengths", 7, 60},
          {P::list, "fresnel_numbers", 0.005, 4}}}},
+      {"field_maps",
+       {plot_field_maps,
+        3,
+        {{P::list, "blocks", -100, 100},
+         {P::number, "degrees", -360, 360},
+         {P::list, "map", -100, 100},
+         {P::list, "range_db", -200, 50}}}},
       {"instruments", {plot_instruments, 1, {{P::number, "base", 0.01, 1}, {P::number, "ior", 1.01, 3}}}},
       {"edge_loss",
        {plot_edge_loss,
@@ -501,6 +543,7 @@ void check_plot(const GalleryPlot& plot) {
     if (p.type == Parameter::file && !std::filesystem::exists(file_of(plot, p.name)))
       throw Error(fmt::format("there is no file {}", file_of(plot, p.name).string()));
   }
+  if (plot.kind == "field_maps") field_scene(plot);
   for (const auto& [name, value] : plot.parameters.items())
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw Error(

@@ -286,8 +286,13 @@ private:
   struct Passing {
     Field weight;    ///< factor of the wave
     Field together;  ///< wedges of the part and of screens on whose open side light passes, over half planes
-    double share = 1;    ///< fraction of the wave that is that of a single edge, without `together`
-    bool turns = false;  ///< whether light is diffracted at all
+    double share = 1;  ///< fraction of the wave that is that of a single edge, without `together`
+    /// Weight in [0, 1] with which light is diffracted at all: 1 at outlines and in the shadow of screens. On
+    /// unoccluded segments an edge that is no outline has weight near the plane of a face that it shares with its
+    /// screen, such as a roof.
+    double turns = 0;
+    /// Whether the sides of the part and of another edge of one face agree with the segment's visibility.
+    bool is_sure = false;
   };
 
   /// Changes `passing` by the screens between a part and one end of the segment. Light that does not see the part from
@@ -305,14 +310,29 @@ private:
                                                 is_seen ? 0 : side, longest_, std::cref(is_open));
       if (screen) {
         arrives = true;
-        if (screen->v < 0 || screen->is_at_border) passing.turns = true;
+        const EdgeBeside& other = beside_[screen->edge];
+        const bool is_of_one_face = OutlineEdges::have_common_face(part.passage, other.passage);
+        // Where the sides contradict the segment's visibility within rounding errors, the segment lies in the plane of
+        // both edges.
+        const bool agrees = (part.side.is_open && other.side.is_open) == is_open_;
+        double v = part.v, w = screen->v;
+        constexpr double kNothing = 1e-9;
+        const bool is_in_plane = part.side.is_at_border && screen->is_touched &&
+                                 (!agrees || v + std::abs(w) < kNothing * std::sqrt(shortest_));
+        if (is_in_plane)
+          set_in_plane(part, *screen, is_begin, v, w);
+        else if (is_of_one_face && agrees)
+          passing.is_sure = true;
+        if (screen->v < 0 || screen->is_at_border)
+          passing.turns = 1;
+        else if (is_of_one_face && is_open_)
+          passing.turns = std::max(passing.turns, 1 - far_from(*screen));
         Field wave;
         for (std::size_t i = 0; i < std::size_t(count_); ++i) {
           const double scale = 1 / std::sqrt(wavelengths_[i]);
-          wave[i] = screen->obliquity *
-                    optics::wave_past_edge(part.v * scale, screen->v * scale, part.length_weight);
+          wave[i] = screen->obliquity * optics::wave_past_edge(v * scale, w * scale, part.length_weight);
         }
-        if (is_wedge_) make_pair_of_wedges(part, *screen, is_begin, is_seen, passing, wave);
+        if (is_wedge_) make_pair_of_wedges(part, *screen, is_begin, is_seen, is_in_plane, passing, wave);
         for (std::size_t i = 0; i < std::size_t(count_); ++i) sum[i] += wave[i];
       }
       if (!is_seen) continue;
@@ -324,9 +344,40 @@ private:
     return arrives;
   }
 
+  /// Weight in [0, 1] of light that passes a screen so far on its open side that it is light of the part alone.
+  double far_from(const EdgeScreens::Screen& screen) const {
+    constexpr double kNear = 4, kFar = 10;
+    return std::clamp((screen.v / std::sqrt(longest_) - kNear) / (kFar - kNear), 0.0, 1.0);
+  }
+
+  /// Sets Fresnel's parameters of a part and of its screen for a segment in the plane of both edges. Both vanish there, and
+  /// the field depends on their ratio: it is that of ends beside the plane at equal small angles, above it for
+  /// unoccluded segments, else below it.
+  void set_in_plane(const EdgePart& part, const EdgeScreens::Screen& screen, bool is_begin, double& v,
+                    double& w) const {
+    const Double3 &p = part.passage.p, &q = beside_[screen.edge].passage.p;
+    const double to_begin = length(is_begin ? q : p);
+    const bool is_infinite = segment_.is_infinite();
+    const double to_end = is_infinite ? 1 : length(segment_.d * segment_.length - (is_begin ? p : q));
+    const double between = length(q - p), own = is_begin ? to_end : to_begin,
+                 other = is_begin ? to_begin : to_end;
+    constexpr double kSmall = 1e-5;
+    const double angle = kSmall * std::sqrt(shortest_ / between);
+    // The two limits are those of an end at infinity, on the part's side and on the screen's side.
+    if (is_infinite && is_begin) {
+      v = angle * (between + 2 * other) * std::sqrt(2 / (between + other));
+    } else if (is_infinite) {
+      v = angle * 2 * std::sqrt(2 * own);
+    } else {
+      v = angle * (between + 2 * other) * std::sqrt(2 * own / ((between + other) * (own + between + other)));
+    }
+    w = angle * std::sqrt(2 * between * (is_infinite && !is_begin ? 1 : other / (between + other)));
+    if (!is_open_) w = -w;
+  }
+
   /// Subtracts the wave of a part of an edge.
   void subtract(const EdgePart& part) {
-    const bool is_open = part.side.takes_open(is_open_);
+    bool is_open = part.side.takes_open(is_open_);
     if (screens_->is_one_sheet() && !is_wedge_) {
       if (!part.is_seen()) return;
       any_ = true;
@@ -336,18 +387,22 @@ private:
     Passing passing;
     Field& weight = passing.weight;
     weight.fill(1 - part.in_rows), passing.together.fill(1);
-    passing.turns = part.is_outline;
+    passing.turns = part.is_outline ? 1 : 0;
     // The end from which the part is not seen is looked at first: often no light arrives from there.
     const bool first = part.seen_from_end && !part.seen_from_begin;
-    const bool arrives = screens_->is_one_sheet() ? part.is_seen()
-                                                  : part.in_rows < 1 && pass_screens(part, first, passing) &&
-                                                        pass_screens(part, !first, passing) && passing.turns;
+    const bool arrives = screens_->is_one_sheet()
+                             ? part.is_seen()
+                             : part.in_rows < 1 && pass_screens(part, first, passing) &&
+                                   pass_screens(part, !first, passing) && passing.turns > 0;
     if (!arrives) weight.fill(0);
+    if (passing.turns < 1)
+      for (auto& x : weight) x *= passing.turns;
     if (is_wedge_ && arrives) make_wedge(part, passing);
     if (part.is_seen())
       for (auto& x : weight) x += part.in_rows;
     if (std::all_of(weight.begin(), weight.begin() + count_, [](const auto& x) { return x == 0.0; })) return;
     any_ = true;
+    if (passing.is_sure) is_open = part.side.is_open;
     Field wave{};
     edges_.subtract(part.passage, segment_, is_open, wavelengths_.data(), count_, wave.data());
     for (std::size_t i = 0; i < std::size_t(count_); ++i) field_[i] += weight[i] * wave[i];
@@ -356,17 +411,15 @@ private:
   /// Changes a wave by way of a part and of a screen by their wedges: in the shadow of the screen the wave itself,
   /// on its open side `passing`.
   void make_pair_of_wedges(const EdgePart& part, const EdgeScreens::Screen& screen, bool is_begin,
-                           bool is_seen, Passing& passing, Field& wave) const {
+                           bool is_seen, bool is_in_plane, Passing& passing, Field& wave) const {
     const EdgePassage& other = beside_[screen.edge].passage;
     const EdgeBlock block(edges_, is_begin ? other : part.passage, is_begin ? part.passage : other, segment_,
-                          is_open_);
+                          is_open_, is_in_plane);
     if (block.kind() == EdgeBlock::Kind::face) {
-      if (!is_seen) return multiply_by_block(block, wave);
-      // Far on the open side of the screen, light is that of a single edge.
-      constexpr double kNear = 4, kFar = 10;
-      const double v = screen.v / std::sqrt(longest_);
-      passing.share = std::min(passing.share, std::clamp((v - kNear) / (kFar - kNear), 0.0, 1.0));
-      if (passing.share < 1) multiply_by_block(block, passing.together);
+      const int position = is_begin ? 1 : 0;
+      if (!is_seen) return multiply_by_block(block, position, wave);
+      passing.share = std::min(passing.share, far_from(screen));
+      if (passing.share < 1) multiply_by_block(block, position, passing.together);
     } else if (block.kind() == EdgeBlock::Kind::apart && !is_seen) {
       multiply_by_wedge(block.wedge(0), wave);
       multiply_by_wedge(block.wedge(1), wave);
@@ -394,10 +447,11 @@ private:
       weight[i] *= optics::Wedge(wedge.n).over_half_plane(
           2 * std::numbers::pi / wavelengths_[i] * wedge.distance, wedge.phi, wedge.phi_i, faces[i]);
   }
-  void multiply_by_block(const EdgeBlock& block, Field& weight) const {
+  /// `position`: whether the wave is that of the first (0) or of the second edge (1) of the block.
+  void multiply_by_block(const EdgeBlock& block, int position, Field& weight) const {
     const Field face = reflection(block.wedge(0).reflection_o, 0);
     for (std::size_t i = 0; i < std::size_t(count_); ++i)
-      weight[i] *= block.over_half_planes(wavelengths_[i], face[i]);
+      weight[i] *= block.over_half_planes(position, wavelengths_[i], face[i]);
   }
 
   using Faces = std::array<optics::WedgeFaces, kWavelengths>;

@@ -216,5 +216,40 @@ TEST(UniformTheory, PointSourcesAndOtherFaces) {
   EXPECT_THROW(screen.coefficient(k, 0, 1, 1, 1, kSoftMetal), std::domain_error);
 }
 
+// The wave of a wedge minus those of half planes for the source and for its image has no poles: it is continuous at
+// the boundaries of shadow and of reflection, vanishes on the face for soft waves and is even there for hard ones. Far
+// from the boundaries it is the difference of Keller's coefficients, of cotangents and cosines.
+TEST(UniformTheory, TermsBesideTheImageHaveNoPoles) {
+  constexpr double kPi = 3.141592653589793, kNear = 1e-5;
+  for (const double n : {1.5, 1.2})
+    for (const double k_distance : {3.0, 100.0, 1e5})
+      for (const double face : {-1.0, 1.0})
+        for (const double phi_i : {0.6 * kPi, 0.97 * kPi, kPi, 1.1 * kPi}) {
+          const auto terms = [&](double phi) {
+            return Wedge(n).terms_beside_image(k_distance, phi, phi_i, {face, face});
+          };
+          // The term of light that the n-face reflects has its own boundary, which is not near these ones.
+          for (const double boundary : {kPi - phi_i, phi_i - kPi}) {
+            if (boundary < kNear || boundary > 0.4 * kPi) continue;
+            EXPECT_LT(std::abs(terms(boundary + kNear) - terms(boundary - kNear)), 2e-2)
+                << n << ", " << k_distance << ", " << face << ", " << phi_i;
+          }
+          if (face < 0)
+            EXPECT_LT(std::abs(terms(0)), 1e-6) << n << ", " << phi_i;
+          else
+            EXPECT_LT(std::abs(terms(kNear) - terms(0)), 1e-4) << n << ", " << phi_i;
+        }
+  const double n = 1.5, phi = 0.3, phi_i = 2.2, k = 1e6;
+  const auto keller = [](double m, double angle) {
+    return 4 / m * std::sin(kPi / m) / (std::cos(kPi / m) - std::cos(angle / m));
+  };
+  for (const double face : {-1.0, 1.0}) {
+    const double expected = keller(n, phi - phi_i) + face * keller(n, phi + phi_i) - keller(2, phi - phi_i) -
+                            face * keller(2, phi + phi_i);
+    const Complex found = Wedge(n).terms_beside_image(k, phi, phi_i, {face, face});
+    EXPECT_NEAR(std::abs(found), std::abs(expected), 1e-3 * std::abs(expected)) << face;
+  }
+}
+
 }  // namespace
 }  // namespace aureole::optics

@@ -156,7 +156,8 @@ Complex two_edges_field(double v1, double v2, double rho) {
 }
 
 Complex wave_past_edge(double v, double w, double along) {
-  v = std::max(std::abs(v), 1e-6);
+  // Where both parameters vanish, their ratio matters.
+  v = std::max(std::abs(v), 1e-12);
   const double both = std::hypot(v, w);
   Complex factor = 0;
   if (along > 0) {

@@ -35,6 +35,11 @@ Complex term(double n, double k_distance, double b) {
   return root / std::tan(0.5 * t / n) * over_root;
 }
 
+/// Returns the two terms of one sum or difference of the angles.
+Complex both_terms(double n, double k_distance, double angle) {
+  return term(n, k_distance, angle) + term(n, k_distance, -angle);
+}
+
 /// Returns phi moved away from the boundary of the shadow of a source at phi_i. There `term` is the mean of both
 /// sides, which is 0 for a half plane.
 double beside_shadow(double phi, double phi_i) {
@@ -81,33 +86,48 @@ std::complex<double> Wedge::keller_coefficient(double k, double sin_beta, double
          (is_hard ? first + second : first - second);
 }
 
+std::complex<double> Wedge::faded(std::complex<double> face, double k_distance, double phi, double phi_i,
+                                  double boundary, double from_boundary) {
+  if (face == 0.0 || from_boundary <= 0) return 0;
+  const double to_shadow = phi > phi_i ? pi : -pi;
+  const auto transition = [&](double to_angle) {
+    const double s = std::sin(0.5 * (to_angle - boundary));
+    return std::abs(transition_function(2 * k_distance * s * s));
+  };
+  const double whole = std::sqrt(transition(2 * phi_i + to_shadow) * transition(2 * phi - to_shadow));
+  const double here = transition(phi + phi_i);
+  return here < whole ? face * (here / whole) * (here / whole) : face;
+}
+
 std::complex<double> Wedge::over_half_plane(double k_distance, double phi, double phi_i,
                                             WedgeFaces faces) const {
   phi = beside_shadow(phi, phi_i);
-  const double to_shadow = phi > phi_i ? pi : -pi;
   const double difference = phi - phi_i, sum = phi + phi_i;
   if (std::abs(difference) < pi) {
-    // Returns the reflection coefficient of a face, weighted by the square of its transition function over
-    // that at the boundary of the shadow, where the reflected term counts in full. The latter is the
-    // geometric mean of its values for this source and for a source at the observer's angle, so that both
-    // may be exchanged.
-    const auto fade = [&](Complex face, double boundary, double from_boundary) {
-      if (face == 0.0 || from_boundary <= 0) return Complex(0);
-      const auto transition = [&](double to_angle) {
-        const double s = std::sin(0.5 * (to_angle - boundary));
-        return std::abs(transition_function(2 * k_distance * s * s));
-      };
-      const double whole = std::sqrt(transition(2 * phi_i + to_shadow) * transition(2 * phi - to_shadow));
-      const double here = transition(sum);
-      return here < whole ? face * (here / whole) * (here / whole) : face;
-    };
-    faces.o = fade(faces.o, pi, sum - pi);
-    faces.n = fade(faces.n, (2 * n_ - 1) * pi, (2 * n_ - 1) * pi - sum);
+    const double n_boundary = (2 * n_ - 1) * pi;
+    faces.o = faded(faces.o, k_distance, phi, phi_i, pi, sum - pi);
+    faces.n = faded(faces.n, k_distance, phi, phi_i, n_boundary, n_boundary - sum);
   }
-  const Complex wedge = term(n_, k_distance, difference) + term(n_, k_distance, -difference) +
-                        faces.n * term(n_, k_distance, sum) + faces.o * term(n_, k_distance, -sum);
-  const Complex half_plane = term(2, k_distance, difference) + term(2, k_distance, -difference);
-  return wedge / half_plane * (2 / n_);
+  const Complex wedge = both_terms(n_, k_distance, difference) + faces.n * term(n_, k_distance, sum) +
+                        faces.o * term(n_, k_distance, -sum);
+  return wedge / both_terms(2, k_distance, difference) * (2 / n_);
+}
+
+std::complex<double> Wedge::terms_beside_image(double k_distance, double phi, double phi_i,
+                                               WedgeFaces faces) const {
+  phi = beside_shadow(phi, phi_i);
+  const double difference = phi - phi_i, sum = phi + phi_i;
+  if (std::abs(difference) < pi) {
+    const double n_boundary = (2 * n_ - 1) * pi;
+    faces.n = faded(faces.n, k_distance, phi, phi_i, n_boundary, n_boundary - sum);
+  }
+  const Complex wedge = both_terms(n_, k_distance, difference) + faces.n * term(n_, k_distance, sum) +
+                        faces.o * term(n_, k_distance, -sum);
+  return wedge * (2 / n_) - both_terms(2, k_distance, difference) - faces.o * both_terms(2, k_distance, sum);
+}
+
+std::complex<double> half_plane_terms(double k_distance, double difference) {
+  return both_terms(2, k_distance, beside_shadow(difference, 0));
 }
 
 std::complex<double> Wedge::over_half_plane_and_image(double k_distance, double phi, double phi_i,
@@ -122,8 +142,7 @@ std::complex<double> Wedge::over_half_plane_and_image(double k_distance, double 
   if (least < 2 * kGrazing && std::abs(phi - phi_i) < pi && phi + phi_i > pi)
     (phi > phi_i ? phi : phi_i) += 2.5 * least;
   const auto with_image = [&](double n) {
-    const auto both = [&](double angle) { return term(n, k_distance, angle) + term(n, k_distance, -angle); };
-    return both(phi - phi_i) + face * both(phi + phi_i);
+    return both_terms(n, k_distance, phi - phi_i) + face * both_terms(n, k_distance, phi + phi_i);
   };
   return with_image(n_) / with_image(2) * (2 / n_);
 }

@@ -68,6 +68,14 @@ public:
   std::complex<double> over_half_plane_and_image(double k_distance, double phi, double phi_i,
                                                  std::complex<double> face) const;
 
+  /// Returns the terms of KP equation 25 for this wedge, minus those of half planes that absorb: for the source, and
+  /// for its image in the o-face times faces.o. All poles but those of the n-face cancel: at the boundaries of shadow
+  /// and of reflection by the o-face the result is continuous and finite. Over `half_plane_terms`, it is what the
+  /// n-face adds to a wave that has the image of the o-face already. If the observer is not in the shadow, the term of
+  /// light that the n-face reflects fades as in `over_half_plane`.
+  std::complex<double> terms_beside_image(double k_distance, double phi, double phi_i,
+                                          WedgeFaces faces) const;
+
   /// Returns the field, geometrical and diffracted, at the distance rho from the edge, of a plane wave that
   /// is incident perpendicularly to the edge with amplitude 1 and phase 0 there. For a half plane of metal it
   /// is Sommerfeld's exact solution.
@@ -75,8 +83,19 @@ public:
                                         WedgeFaces faces) const;
 
 private:
+  /// Returns the reflection coefficient of a face whose boundary of reflection is passed at phi + phi_i = `boundary`,
+  /// the observer being on its dark side by `from_boundary`. It is weighted by the square of its transition function
+  /// over that at the boundary of the shadow, where the reflected term counts in full. The latter is the geometric
+  /// mean of its values for this source and for a source at the observer's angle, so that both may be exchanged.
+  static std::complex<double> faded(std::complex<double> face, double k_distance, double phi, double phi_i,
+                                    double boundary, double from_boundary);
+
   double n_;
 };
+
+/// Returns the terms of KP equation 25 for a half plane that absorbs: of its coefficient without the constant.
+/// `difference`: the angle from source to observer about the edge. It is moved off the boundary of the shadow.
+std::complex<double> half_plane_terms(double k_distance, double difference);
 
 /// KP's distance parameter L: s sin^2(beta) for a plane wave, and s s_i sin^2(beta)/(s + s_i) for a point
 /// source at the distance s_i from the edge.

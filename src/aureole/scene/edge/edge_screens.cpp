@@ -343,9 +343,13 @@ std::optional<EdgeScreens::Screen> EdgeScreens::find_screen(
     const double height = dot(rest.d * dot(p, rest.d) - p, screen.side.normal);
     const bool is_at_border = std::abs(height) < 4 * std::max(screen.side.offset, beside_[edge].side.offset);
     if (!is_at_border && (height < 0) == is_seen) return;
+    const bool is_touched = std::abs(height) <= std::max(screen.side.rounding, beside_[edge].side.rounding);
     const Screen candidate{std::copysign(line.parameter(middle), height),
                            rest.from + p + screen.side.normal * screen.side.offset,
-                           height < 0 ? obliquity_past(part, rest, p, towards_end) : 1, is_at_border, other};
+                           height < 0 ? obliquity_past(part, rest, p, towards_end) : 1,
+                           is_at_border,
+                           is_touched,
+                           other};
     if (!is_seen && !is_open(candidate)) return;
     found = candidate, nearest = distance;
   };

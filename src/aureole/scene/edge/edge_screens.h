@@ -52,6 +52,7 @@ public:
     /// part alone; otherwise 1.
     double obliquity;
     bool is_at_border;  ///< light passes so near to the edge that a visibility test cannot tell the side
+    bool is_touched;    ///< the distance of light from the edge is within rounding errors
     std::size_t edge;   ///< index of the screen's edge
   };
   /// Returns the screen nearest to the light between a part of an edge and the segment's end (`towards_end`)

@@ -84,7 +84,12 @@ private:
       const double change =
           0.5 * std::numbers::pi * std::max(0.0, std::min(far - near, near - foot2_)) / shortest_;
       constexpr double kOfChange = 0.1;
-      if (std::numbers::pi * off * std::sqrt(square(m)) > kPhase * (1 + kOfChange * change) * shortest_) {
+      // The wave of a chord that contains the foot also changes with its distance from the axis itself, which is v:
+      // near v = 0, by 0.7 times the change of v.
+      constexpr double kOfFoot = 0.005;
+      const bool has_foot = middle_ > begin && middle_ < end;
+      if (std::numbers::pi * off * std::sqrt(square(m)) > kPhase * (1 + kOfChange * change) * shortest_ ||
+          (has_foot && off * off > kOfFoot * kOfFoot * shortest_)) {
         add(begin, a, half, m, depth + 1);
         add(half, m, end, b, depth + 1);
         return;
@@ -493,11 +498,23 @@ bool OutlineEdges::find_side(const EdgePassage& passage, const EdgeSegment& segm
   const double rounding = rounding_of(edge, segment, passage.p);
   side.normal = normal, side.leg = edge.leg;
   side.offset = offset(edge, rounding);
+  side.rounding = rounding;
   side.beside = segment.from + passage.p + normal * side.offset;
   const double height = dot(segment.d * dot(passage.p, segment.d) - passage.p, normal);
   side.is_open = height > 0;
   side.is_at_border = std::abs(height) <= rounding;
   return true;
+}
+
+bool OutlineEdges::have_common_face(const EdgePassage& a, const EdgePassage& b) {
+  const Double3 between = b.p - a.p;
+  const double most = kAlongFace * length(between);
+  constexpr double kEqual = 1e-3;
+  for (const Vec3& n : {a.edge->n0, a.edge->n1})
+    for (const Vec3& other : {b.edge->n0, b.edge->n1})
+      if (length(Double3(n) - Double3(other)) < kEqual && std::abs(dot(between, Double3(n))) < most)
+        return true;
+  return false;
 }
 
 bool OutlineEdges::find_wedge(const MeshEdge& edge, const LightByEdge& light, EdgeWedge& out) const {

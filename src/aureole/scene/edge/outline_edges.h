@@ -61,6 +61,7 @@ struct EdgeSide {
   Double3 normal;     ///< unit vector perpendicular to edge and light, towards the open side
   Double3 beside;     ///< a point just off the edge, on its open side
   double offset;      ///< distance of `beside` from the edge
+  double rounding;    ///< bound of errors of heights above the edge
   bool is_open;       ///< whether the segment passes on the open side
   bool is_at_border;  ///< it passes so near to the edge that only a visibility test decides
   /// `MeshEdge::leg` of the edge
@@ -188,6 +189,9 @@ public:
   bool find_side(const EdgePassage& passage, const EdgeSegment& segment, const Double3& in,
                  const Double3& out, bool grazes, EdgeSide& side) const;
 
+  /// Whether both edges bound one flat face, such as a roof. The passages have their points on them.
+  static bool have_common_face(const EdgePassage& a, const EdgePassage& b);
+
   /// Sets the wedge of an edge for light by way of a point of it. Returns false if the edge acts as that of a half
   /// plane that absorbs: for round bodies, for folds of less than 30 degrees, which approximate curved
   /// surfaces, and if light would arrive or leave inside the wedge.
@@ -198,6 +202,9 @@ public:
   void subtract(const EdgePassage& passage, const EdgeSegment& segment, bool takes_open,
                 const double* wavelengths, int count, std::complex<double>* field) const;
 
+  /// Angle from a face up to which light counts as running along it: edges of thin blocks far from the origin have
+  /// rounded coordinates.
+  static constexpr double kAlongFace = 0.02;
   /// Cosine of the angle between the normals of two edges, perpendicular to the segment, above which they
   /// count as parallel.
   static constexpr double kSideBySide = 0.8;
