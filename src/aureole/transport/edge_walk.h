@@ -59,12 +59,12 @@ public:
       if (is_kept || state.chain.is_linked()) {
         state.chain.arrive(leg(walk, i, length), state.begins_at_infinity);
         if (!is_kept) end_chain(walk, i);
-      } else {
+      } else if (!state.is_clear) {
         const PathLeg segment = leg(walk, i, length);
         if (!defers(walk, i) || !state.pending.add({&segment, 1}))
           s.density.attenuate(factor(walk, i, length));
       }
-      state.is_behind = state.begins_at_infinity = false;
+      state.is_behind = state.begins_at_infinity = state.is_clear = false;
       return;
     }
     const LightWay segment{s.segment.origin, s.segment.ray.d, length, walk.diffraction(i).end()};
@@ -153,8 +153,11 @@ public:
     } else {
       if (!scene_.outline_edges()) return 0;
       auto& s = walk.state(i);
-      const auto& state = walk.diffraction(i);
+      auto& state = walk.diffraction(i);
       const SegmentChain* before = state.chain.is_linked() ? &state.chain : nullptr;
+      state.is_clear = !before && !state.begins_at_infinity && !state.is_behind &&
+                       !has_edges_near(scene_, s.segment.origin, s.segment.ray.d, walk.wavelengths(i));
+      if (state.is_clear) return 0;
       return aureole::probability_behind(scene_, s.segment.origin, s.segment.ray.d,
                                          before ? before->begins_at_infinity() : state.begins_at_infinity,
                                          walk.wavelengths(i), before);

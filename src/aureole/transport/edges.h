@@ -32,6 +32,8 @@ struct AfterEdge {
   bool is_next = false;  ///< whether the vertex before the present one is an edge
   /// Whether the ray went on behind an obstacle, for light paths with the diffraction model "segments".
   bool is_behind = false;
+  /// no edges lie near the present ray (`has_edges_near`)
+  bool is_clear = false;
   /// Whether the present segment comes from a light at infinity, with the diffraction model "segments".
   bool begins_at_infinity = false;
 

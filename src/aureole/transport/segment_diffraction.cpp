@@ -516,6 +516,11 @@ private:
   std::vector<double> cuts_;
 };
 
+bool has_edges_near(const Scene& scene, const EdgeSegment& segment, const Wavelengths& w) {
+  const OutlineEdges& edges = *scene.outline_edges();
+  return edges.has_near(segment, edges.wavelength(max_component(w.nm)));
+}
+
 /// Returns the probability with which a ray continues behind all obstacles between `begin`, next to `origin`,
 /// and `end`, which is a point or infinity.
 float probability_behind_all(const Scene& scene, const Vec3& begin, const Vec3& origin, const Vec3& d,
@@ -542,6 +547,7 @@ float probability_behind_all(const Scene& scene, const Vec3& begin, const Vec3& 
 Spectrum segment_diffraction(const Scene& scene, const Vec3& origin, const Vec3& d, float length,
                              bool is_open, const Wavelengths& w) {
   const EdgeSegment segment{Double3(origin), normalize(Double3(d)), double(length)};
+  if (is_open && !has_edges_near(scene, segment, w)) return 1.f;
   const bool infinite = segment.is_infinite();
   const Vec3 begin = origin + d * (1e-5f * (infinite ? 1 : length)), end = infinite ? d : origin + d * length;
   return SegmentField(scene, segment, begin, end, is_open, w).factor();
@@ -562,6 +568,10 @@ Spectrum chain_diffraction(const Scene& scene, std::span<const PathLeg> legs, bo
   const Vec3 begin = (segment.from + segment.d * (1e-5 * (infinite ? 1 : segment.length))).to_float();
   const Vec3 end = infinite ? segment.d.to_float() : (segment.from + segment.d * segment.length).to_float();
   return SegmentField(scene, segment, begin, end, path.is_open(), w, &path).factor();
+}
+
+bool has_edges_near(const Scene& scene, const Vec3& origin, const Vec3& d, const Wavelengths& w) {
+  return has_edges_near(scene, {Double3(origin), normalize(Double3(d)), double(kInfinity)}, w);
 }
 
 float probability_behind(const Scene& scene, const Vec3& origin, const Vec3& d, bool from_infinity,
@@ -629,6 +639,7 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
   const Spectrum passed = is_open ? c.passage : Spectrum(0.f);
   const bool is_blocked = max_component(passed - c.clear_passage * TestSegment::kOpaque) < 0;
   const Vec3& end = c.infinite ? c.d : c.target;
+  if (!before && !is_blocked && !has_edges_near(scene, segment, w)) return true;
   Spectrum u2;
   if (before) {
     SegmentChain chain = *before;

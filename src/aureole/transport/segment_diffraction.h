@@ -55,6 +55,9 @@ private:
   std::size_t count_ = 0;
 };
 
+/// Whether edges may lie so near to a ray that it has a diffraction factor other than 1 up to any unoccluded point.
+bool has_edges_near(const Scene& scene, const Vec3& origin, const Vec3& d, const Wavelengths& w);
+
 /// Returns the probability with which a ray continues behind an obstacle that it has hit, into the shadow. It
 /// falls with Fresnel's parameter of the nearest edge that light along the ray reaches, and is 0 if there is
 /// none near. It is equal for all obstacles along a ray. `from_infinity`: the ray is light of an emitter at

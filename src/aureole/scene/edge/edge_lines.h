@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -26,14 +28,21 @@ public:
       for (std::size_t i = 0; i < count_; ++i) edges[i] = unordered[tree.items()[i]];
       tree_ = BeamTree(boxes_of(edges));
     }
+    Bounds3 box;
+    for (const MeshEdge& edge : edges) box.extend(edge.a), box.extend(edge.b);
+    if (count_ > 0) center_ = Double3(box.center()), largest_ = 0.5f * length(box.diagonal());
     // The lanes behind the last edge repeat it.
-    const std::size_t padded = count_ + (count_ > 0 ? kLanes - 1 : 0);
+    const std::size_t padded = count_ + (count_ > 0 ? kFloatLanes - 1 : 0);
     for (auto& values : lines_) values.resize(padded);
+    for (auto& values : single_) values.resize(padded);
     for (std::size_t i = 0; i < padded; ++i) {
       const MeshEdge& edge = edges[std::min(i, count_ - 1)];
       const Double3 a(edge.a), along = Double3(edge.b) - a, e = along * (1 / length(along));
       const double values[] = {a.x, a.y, a.z, e.x, e.y, e.z};
-      for (std::size_t k = 0; k < lines_.size(); ++k) lines_[k][i] = values[k];
+      const Double3 near = a - center_;
+      const double near_values[] = {near.x, near.y, near.z, e.x, e.y, e.z};
+      for (std::size_t k = 0; k < lines_.size(); ++k)
+        lines_[k][i] = values[k], single_[k][i] = float(near_values[k]);
     }
   }
 
@@ -64,7 +73,33 @@ public:
     }
   }
 
+  /// Whether `visit` would find an edge, as a faster test for few edges.
+  bool has_near(const Double3& o, const Double3& d, double squared_radius) const {
+    if (count_ > kFew) return true;
+    // Single precision: errors of distances are bounded by `tolerance`, and (x + y)^2 <= 2 x^2 + 2 y^2.
+    const Vec3 from = (o - center_).to_float(), along = d.to_float();
+    const float tolerance = 1e-6f * (largest_ + length(from));
+    const float radius2 = 2.0002f * float(squared_radius), tolerance2 = 2 * tolerance * tolerance;
+    const auto coordinate = [&](std::size_t k, std::size_t i) {
+      FloatLanes lanes;
+      std::memcpy(&lanes, &single_[k][i], sizeof lanes);
+      return lanes;
+    };
+    for (std::size_t i = 0; i < count_; i += kFloatLanes) {
+      const FloatLanes ex = coordinate(3, i), ey = coordinate(4, i), ez = coordinate(5, i);
+      const FloatLanes nx = ey * along.z - ez * along.y, ny = ez * along.x - ex * along.z,
+                       nz = ex * along.y - ey * along.x;
+      const FloatLanes apart = (coordinate(0, i) - from.x) * nx + (coordinate(1, i) - from.y) * ny +
+                               (coordinate(2, i) - from.z) * nz;
+      const FloatLanes over = apart * apart - radius2 * (nx * nx + ny * ny + nz * nz) - tolerance2;
+      if (__builtin_ia32_movmskps256(over) != 0) return true;
+    }
+    return false;
+  }
+
 private:
+  static constexpr std::size_t kFloatLanes = 8;
+  using FloatLanes [[gnu::vector_size(kFloatLanes * sizeof(float))]] = float;
   static constexpr std::size_t kLanes = std::size_t(optics::kLanes);
   static constexpr std::size_t kFew = 96;  ///< testing all of so many edges takes less time than a tree
 
@@ -87,6 +122,9 @@ private:
   }
 
   std::array<std::vector<double>, 6> lines_;
+  std::array<std::vector<float>, 6> single_;  ///< begins relative to `center_`
+  Double3 center_{};
+  float largest_ = 0;  ///< distance of an edge's end from `center_`
   std::size_t count_ = 0;
   BeamTree tree_;
 };

@@ -162,6 +162,14 @@ public:
     for (const MeshEdge& edge : rims) visit_edge(edge);
   }
 
+  /// Whether an edge may have a detour inside the window of an unoccluded segment, at wavelengths up to `longest`. If
+  /// not, the diffraction factor of that segment and of those from its begin to a point of it is 1. Most segments have none.
+  bool has_near(const EdgeSegment& segment, double longest) const {
+    if (!balls_.empty()) return true;
+    const double detour = EdgeWindow{window_open_, window_open_, longest, longest}.detour(window_open_);
+    return lines_.has_near(segment.from, segment.d, squared_radius(segment, detour));
+  }
+
   /// Returns the smallest Fresnel parameter |v| of paths by way of an irradiated edge beside the segment, at
   /// a wavelength in units of the scene; infinity if it exceeds `most`, or the window if that is smaller.
   /// is_lit(p) tells whether light reaches a point p just beside an edge. It is called for at most 8 edges,
