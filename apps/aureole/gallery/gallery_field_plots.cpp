@@ -20,7 +20,7 @@ double decibels(double power) { return 10 * std::log10(std::max(power, 1e-30)); 
 /// Renders the power in the cells of the map, over that without blocks. A wavelength is 0.1 m.
 std::vector<double> rendered_power(const FieldScene& s, const char* polarisation, int width, int height,
                                    int samples, const std::atomic<bool>& stop) {
-  constexpr double kMetre = 0.1, kEndless = 4000;
+  constexpr double kMetre = 0.1, kEndless = 400;
   const double angle = s.degrees * std::numbers::pi / 180;
   const std::string open = fmt::format(
       R"(<scene version="3.0.0">

@@ -413,8 +413,11 @@ private:
   void make_pair_of_wedges(const EdgePart& part, const EdgeScreens::Screen& screen, bool is_begin,
                            bool is_seen, bool is_in_plane, Passing& passing, Field& wave) const {
     const EdgePassage& other = beside_[screen.edge].passage;
+    // Another body may occlude a segment that passes both edges on their open sides.
+    const auto is_clear = [](const EdgeSide& side) { return side.is_open && !side.is_at_border; };
+    const bool passes = is_open_ || (is_clear(part.side) && is_clear(beside_[screen.edge].side));
     const EdgeBlock block(edges_, is_begin ? other : part.passage, is_begin ? part.passage : other, segment_,
-                          is_open_, is_in_plane);
+                          passes, is_in_plane);
     if (block.kind() == EdgeBlock::Kind::face) {
       const int position = is_begin ? 1 : 0;
       if (!is_seen) return multiply_by_block(block, position, wave);

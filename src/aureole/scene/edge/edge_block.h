@@ -31,7 +31,7 @@ public:
     face    ///< it runs along a face that both edges bound
   };
   /// `first` and `second`: passages of both edges in their order along the segment. `is_open`: whether the segment
-  /// is unoccluded. `is_in_plane`: whether the segment lies in the plane of both edges, within rounding errors.
+  /// is unoccluded by the body of both edges. `is_in_plane`: whether the segment lies in the plane of both edges, within rounding errors.
   EdgeBlock(const OutlineEdges& edges, const EdgePassage& first, const EdgePassage& second,
             const EdgeSegment& segment, bool is_open, bool is_in_plane);
 
