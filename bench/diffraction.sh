@@ -46,3 +46,11 @@ for model in ${MODELS:-segments beams}; do
     fi
   done
 done
+
+# Leaves before the sun: a crowd of edges.
+leaves=$root/scenes/diffraction/leaves.xml
+# shellcheck disable=SC2016
+sed -e '/diffraction_model\|beam_width/d' -e 's|<boolean name="diffraction" value="true"/>|<boolean name="diffraction" value="$diffraction"/>|' "$leaves" > "$folder/leaves.xml"
+grep -q 'name="diffraction" value="[$]diffraction"' "$folder/leaves.xml"
+ln -sf "$(dirname "$leaves")"/leaves.obj "$folder/"
+measure "leaves, segments, path" diffraction "$folder/leaves.xml" -D "width=${RES:-96}" -D "height=${RES:-96}" --spp 32

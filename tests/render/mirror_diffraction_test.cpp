@@ -189,6 +189,22 @@ TEST(MirrorDiffraction, PanesDoNotEndSegments) {
   }
 }
 
+// A sheet that light crosses straight, but that is no null surface, ends a segment: edges count with the distance up to
+// it.
+TEST(MirrorDiffraction, SheetsThatAreNoNullSurfacesEndSegments) {
+  const std::string light = turned(
+      0.5, 0.5, -90, 1, 0, R"(<emitter type="area"><spectrum name="radiance" value="1"/></emitter></shape>)");
+  const std::string sheet = turned(
+      0.2, 0.2, 90, 0, 0,
+      R"(<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf></shape>)");
+  const Periscope periscope{1, sheet + light, 2048};
+  const double free = periscope.loss("");
+  for (const auto& [v, loss] : kLosses) {
+    const double measured = periscope.loss(across_x(-0.5, v * unit_of_v(0.5, 0.5))) - free;
+    if (!test::kSanitized) EXPECT_NEAR(measured, loss, 0.1) << v;
+  }
+}
+
 TEST(MirrorDiffraction, SlitsBeforeAndBehindAMirror) {
   const double width = 0.4e-3, half = 2e-3;
   constexpr int kColumns = 32;
@@ -406,7 +422,7 @@ TEST(MirrorDiffraction, LampsAtInfinityByWayOfMirrors) {
   // A receiver of 2 x 4 m, its middle at the height of the border of the sheet.
   const std::string sheet = turned(2, 8, 90, -8, -2, kAbsorbs);
   const Picture mirrored = scene(
-      "ptracer", 8192,
+      "ptracer", 65536,
       R"(<sensor type="powermap"><transform name="to_world"><scale x="1" y="2"/><rotate x="1" angle="180"/><translate z="6"/></transform><string name="measure" value="irradiance"/>{})" +
           sheet + turned(6, 6, -45, 0, 0, kReflects));
   const Picture unfolded = scene(

@@ -752,6 +752,24 @@ TEST(SegmentDiffraction, LossesAreContinuousInThePlaneOfARoof) {
   std::printf("largest step of receivers up to 0.6 degrees from the plane of a roof: %.2f dB\n", largest);
 }
 
+// Another block occludes receivers above a roof, as one side of a slit does: the loss changes little as the transmitter
+// moves through the plane of the roof.
+TEST(SegmentDiffraction, RoofsBesideSegmentsThatAnotherBodyOccludes) {
+  const std::string other =
+      R"(<shape type="cube"><transform name="to_world"><scale x="0.0125" y="4000" z="2000"/><translate x="0.0125" z="2000.2"/></transform>
+    <bsdf type="conductor"><string name="material" value="none"/></bsdf></shape>)";
+  for (const char* polarisation : {"soft", "hard"})
+    for (const float z : {0.4f, 0.6f, 1.f}) {
+      const auto loss = [&](float lamp) {
+        return loss_of(block_of_metal(0.025) + other, polarisation, {-2, 0, lamp}, {2, 0, z});
+      };
+      const double in_plane = loss(0);
+      if (kSanitized) continue;
+      for (const float lamp : {1e-3f, -1e-3f, 1e-5f, -1e-5f})
+        EXPECT_NEAR(loss(lamp), in_plane, 0.1) << polarisation << ", " << z << ", " << lamp;
+    }
+}
+
 // Transmitters and receivers near the plane of the roof of a block of metal, above it, in it and below it, against a
 // boundary integral equation (tests/render/references/metal_block.py).
 TEST(SegmentDiffraction, EndsNearThePlaneOfARoof) {

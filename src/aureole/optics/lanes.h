@@ -28,9 +28,15 @@ inline Lanes square_root(const Lanes& x) {
 
 /// Returns the lanes in which a comparison is true: bit i is that of lane i.
 inline unsigned lanes_of(const LaneBits& comparison) {
+#ifdef __AVX__
   Lanes signs;
   std::memcpy(&signs, &comparison, sizeof signs);
   return unsigned(__builtin_ia32_movmskpd256(signs));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < kLanes; ++i) bits |= comparison[i] ? 1u << i : 0;
+  return bits;
+#endif
 }
 
 /// Computes sine and cosine with errors near 2e-16 for |x| < 1e15. A multiple of pi/2 is subtracted in two

@@ -87,8 +87,8 @@ public:
     }
   }
 
-  /// Whether light may keep its phase at the present vertex, which lies on a surface: that may be crossed, or is a
-  /// planar mirror.
+  /// Whether light may keep its phase at the present vertex: its surface may be crossed straight, or is a planar
+  /// mirror.
   template <class W>
   bool may_continue_chain(W& walk, int i) const {
     if constexpr (!W::kDiffracts) {
@@ -119,8 +119,8 @@ public:
       if (scene_.outline_edges() && !walk.diffraction(i).chain.is_empty())
         walk.diffraction(i).chain.link_straight();
   }
-  /// Continues the chain behind the present vertex, at which the path was scattered, if that is a planar mirror or
-  /// leaves the direction unchanged. Otherwise multiplies the throughput by the chain's factor.
+  /// Continues the chain behind the present vertex, at which the path was scattered, if that is a planar mirror.
+  /// Otherwise multiplies the throughput by the chain's factor.
   template <class W, class Scatter>
   void continue_chain(W& walk, int i, Event event, const Scatter& b) const {
     if constexpr (W::kDiffracts) {
@@ -132,11 +132,9 @@ public:
         // Largest difference of two directions that is due to rounding.
         constexpr float kRounding = 1e-5f;
         const Vec3& d = walk.state(i).segment.ray.d;
-        const auto leaves_along = [&](const Vec3& e) {
-          return length_squared(b.d - e) < kRounding * kRounding;
-        };
-        if (leaves_along(d)) return chain.link_straight();
-        if (leaves_along(d - point.ng * (2 * dot(d, point.ng))) && chain.link_by_mirror(point.p, point.ng))
+        // Surfaces that light crosses straight without being null surfaces occlude edges behind them.
+        const Vec3 mirrored = d - point.ng * (2 * dot(d, point.ng));
+        if (length_squared(b.d - mirrored) < kRounding * kRounding && chain.link_by_mirror(point.p, point.ng))
           return;
       }
       end_chain(walk, i);

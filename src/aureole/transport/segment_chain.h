@@ -17,7 +17,7 @@ namespace aureole {
 
 class Scene;
 
-/// A segment of a path, as a leg of the way between planar mirrors or as the whole of it.
+/// A segment of a path: one of several between planar mirrors, or one by itself.
 struct PathLeg {
   Vec3 origin, d;  ///< `d` has unit length
   float length;    ///< may be infinite

@@ -27,7 +27,8 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
   // The end lies on a surface: the test ends before it, by more than the rounding of its coordinates.
   constexpr float kPart = 0.99999f;
   if (scene.has_binary_visibility()) {
-    const Ray ray = infinite ? Ray{from, to, kInfinity} : Ray{from, to - from, kPart};
+    Ray ray = infinite ? Ray{from, to, kInfinity} : Ray{from, to - from, kPart};
+    ray.time = w.time;
     return !scene.tracer().occluded(ray);
   }
   TestSegment test;
@@ -41,8 +42,10 @@ bool is_free(const Scene& scene, const Vec3& from, const Vec3& to, bool infinite
 }
 
 /// Whether the line across the plane of a mirror meets a mirror there. `normal`: the unit normal of that plane.
-bool meets_mirror(const Scene& scene, const Double3& from, const Double3& to, const Double3& normal) {
-  const Ray ray{from.to_float(), (to - from).to_float(), 1.f};
+bool meets_mirror(const Scene& scene, const Double3& from, const Double3& to, const Double3& normal,
+                  float time) {
+  Ray ray{from.to_float(), (to - from).to_float(), 1.f};
+  ray.time = time;
   const RayTracer::Hit hit = scene.tracer().intersect(ray);
   if (!hit || hit.is_lost()) return false;
   const SurfacePoint point = scene.surface_point(hit, ray);
@@ -61,7 +64,7 @@ bool is_free(const Scene& scene, const UnfoldedPath& path, const Double3& a, std
         return is_free(scene, from.to_float(), to.to_float(), to_infinity, w);
       },
       [&](const Double3& from, const Double3& to, const Double3& normal) {
-        return meets_mirror(scene, from, to, normal);
+        return meets_mirror(scene, from, to, normal, w.time);
       });
 }
 
@@ -388,7 +391,7 @@ private:
     Field& weight = passing.weight;
     weight.fill(1 - part.in_rows), passing.together.fill(1);
     passing.turns = part.is_outline ? 1 : 0;
-    // The end from which the part is not seen is looked at first: often no light arrives from there.
+    // The light at the end from which the part is not seen is computed first: often there is none.
     const bool first = part.seen_from_end && !part.seen_from_begin;
     const bool arrives = screens_->is_one_sheet()
                              ? part.is_seen()
@@ -639,7 +642,7 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
   // A march through null surfaces has moved the origin of the ray.
   const float part = 1e-5f * (c.infinite ? 1 : float(segment.length));
   const Vec3 begin = scene.has_binary_visibility() ? c.ray.o : c.origin + c.d * part;
-  const Spectrum passed = is_open ? c.passage : Spectrum(0.f);
+  Spectrum passed = is_open ? c.passage : Spectrum(0.f);
   const bool is_blocked = max_component(passed - c.clear_passage * TestSegment::kOpaque) < 0;
   const Vec3& end = c.infinite ? c.d : c.target;
   if (!before && !is_blocked && !has_edges_near(scene, segment, w)) return true;
@@ -655,6 +658,8 @@ bool diffract_connection(const Scene& scene, TestSegment& c, bool is_open, const
     c.passage *= u2;
     return true;
   }
+  if (before && !is_black(passed))
+    passed *= chain_diffraction(scene, before->legs(), before->begins_at_infinity(), w);
   // A connection that has crossed too many surfaces carries no light.
   if ((!is_open && is_black(u2)) || c.crossings_left < 0) return false;
   const float share = c.others_go_behind && max_component(c.other) > 0

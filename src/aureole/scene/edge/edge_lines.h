@@ -3,6 +3,7 @@
 // paths have no edge near them, so that this test is most of what diffraction costs there.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

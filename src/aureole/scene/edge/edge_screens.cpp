@@ -74,7 +74,8 @@ EdgeScreens::EdgeScreens(const OutlineEdges& edges, const EdgeSegment& segment,
 
 std::uint32_t EdgeScreens::sector_of(const Double3& across) const {
   const double turns = std::atan2(dot(across, y_), dot(across, x_)) / (2 * std::numbers::pi);
-  return std::uint32_t((turns + 1) * kSectors) % kSectors;
+  // A vector without a component across the segment has no azimuth.
+  return turns >= -1 && turns <= 1 ? std::uint32_t((turns + 1) * kSectors) % kSectors : 0;
 }
 
 void EdgeScreens::Block::set(std::uint32_t lane, const Line& line) {
@@ -294,7 +295,7 @@ optics::Lanes EdgeScreens::distances(const Block& block, const Search& search, d
     const Lanes sum = d_a + d_b;
     middle = sum > 0 ? (t_a * d_b + t_b * d_a) / sum : t_a;
   }
-  // Most lines end before. sqrt(2/r) is the smallest scale of the Fresnel plane.
+  // Most lines do not reach that point. sqrt(2/r) is the smallest scale of the Fresnel plane.
   const Lanes far = length_of(a) + block.length, most_off = most_beyond * square_root(0.5 * far);
   is_screen = is_screen && middle >= -most_off && middle <= block.length + most_off;
   if (!optics::lanes_of(is_screen)) return none;

@@ -85,8 +85,10 @@ private:
   };
   static constexpr std::size_t kDepth = 64;  ///< limit of the depth of the tree
   static constexpr std::uint32_t kSectors = 32;
-  /// Numbers of sheets: of nodes with several sheets, and bit of edges that bound no sheet.
-  static constexpr std::uint64_t kMixed = ~std::uint64_t(0), kAlone = std::uint64_t(1) << 63;
+  /// Number of the sheet of a block whose lines bound several sheets.
+  static constexpr std::uint64_t kMixed = ~std::uint64_t(0);
+  /// Bit in the number that a line which bounds no sheet has instead.
+  static constexpr std::uint64_t kAlone = std::uint64_t(1) << 63;
   static constexpr std::uint32_t kLanes = optics::kLanes;
   using LaneVector = std::array<optics::Lanes, 3>;
   /// Lines that are tested together. Unused lanes repeat the last line.

@@ -30,7 +30,7 @@ struct MeshEdge {
   MeshFace face0, face1;
   bool is_boundary;  ///< of one face, or of several that lie in one half-plane about the edge
   bool is_concave;   ///< a fold towards the side of its normals
-  /// of an edge that a path passes between planar mirrors: the leg of the path (transport/edge_unfolding.h)
+  /// Number of the leg of a path between planar mirrors that the edge lies beside (transport/edge_unfolding.h).
   std::uint8_t leg = 0;
 
   /// Whether, in parallel light along `d`, one face is irradiated from the front and the other from the back.
