@@ -610,7 +610,9 @@ bool OutlineEdges::find_wedge(const MeshEdge& edge, const LightByEdge& light, Ed
     return true;
   };
   if (!angle(-light.in, out.phi_i) || !angle(light.out, out.phi)) return false;
-  const double along = dot(light.in, e), sin2 = std::max(0.0, 1 - along * along);
+  // At the point with the smallest detour, light arrives and leaves at one angle to the edge. Beyond the ends of an edge the
+  // two differ; their mean is the same in reverse.
+  const double sin2 = length(cross(light.in, e)) * length(cross(light.out, e));
   const bool is_infinite = light.s_out >= double(kInfinity);
   out.distance = (is_infinite ? light.s_in : light.s_in * light.s_out / (light.s_in + light.s_out)) * sin2;
   out.sin_beta = std::sqrt(sin2);
