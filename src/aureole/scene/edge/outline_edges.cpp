@@ -53,7 +53,8 @@ public:
         field_(field) {
     make_basis(line.segment.d, x_, y_);
     shortest_ = *std::min_element(wavelengths, wavelengths + count);
-    foot2_ = square(shown(middle));
+    foot_ = shown(middle);
+    foot2_ = square(foot_);
   }
   void add(double begin, double end) {
     // 1 - c = theta^2/8 is largest at an end.
@@ -64,6 +65,11 @@ public:
 
 private:
   static double square(const PlanePoint& p) { return p.x * p.x + p.y * p.y; }
+  /// Returns the distance of a point from the line through a and b.
+  static double off_chord(const PlanePoint& p, const PlanePoint& a, const PlanePoint& b) {
+    const double x = b.x - a.x, y = b.y - a.y, size = std::sqrt(x * x + y * y);
+    return size > 0 ? std::abs((p.x - a.x) * y - (p.y - a.y) * x) / size : 0;
+  }
   PlanePoint shown(double t) const { return line_.in_fresnel_plane(t, x_, y_); }
   optics::PieceObliquity obliquities(double begin, double end) const {
     if (turns_little_) return {};
@@ -75,21 +81,25 @@ private:
     if (depth < kMostDepth) {
       const double half = 0.5 * (begin + end);
       const PlanePoint m = shown(half);
-      const double x = b.x - a.x, y = b.y - a.y, size = std::sqrt(x * x + y * y);
-      const double off = size > 0 ? std::abs((m.x - a.x) * y - (m.y - a.y) * x) / size : 0;
+      const bool has_foot = begin < middle_ && middle_ < end;
       // A detour delta has the phase 2 pi delta/lambda = pi v^2/(2 lambda), v being the length at a unit
       // wavelength. Far from the foot, where the phase changes much along a chord, its wave comes from its ends,
       // and an error of the phase changes that wave by four times its ratio to the change.
       const double near = std::min(square(a), square(b)), far = std::max(square(a), square(b));
       const double change =
-          0.5 * std::numbers::pi * std::max(0.0, std::min(far - near, near - foot2_)) / shortest_;
+          has_foot ? 0
+                   : 0.5 * std::numbers::pi * std::max(0.0, std::min(far - near, near - foot2_)) / shortest_;
       constexpr double kOfChange = 0.1;
+      const double tolerance = kPhase * (1 + kOfChange * change) * shortest_;
+      const auto is_off = [&](const PlanePoint& p) {
+        return std::numbers::pi * off_chord(p, a, b) * std::sqrt(square(p)) > tolerance;
+      };
       // The wave of a chord that contains the foot also changes with its distance from the axis itself, which is v:
-      // near v = 0, by 0.7 times the change of v.
+      // near v = 0, by 0.7 times the change of v. The curve may cross its chord at `half`, so that the foot is tested
+      // as well.
       constexpr double kOfFoot = 0.005;
-      const bool has_foot = middle_ > begin && middle_ < end;
-      if (std::numbers::pi * off * std::sqrt(square(m)) > kPhase * (1 + kOfChange * change) * shortest_ ||
-          (has_foot && off * off > kOfFoot * kOfFoot * shortest_)) {
+      const double off = has_foot ? std::max(off_chord(m, a, b), off_chord(foot_, a, b)) : 0;
+      if (is_off(m) || (has_foot && (is_off(foot_) || off * off > kOfFoot * kOfFoot * shortest_))) {
         add(begin, a, half, m, depth + 1);
         add(half, m, end, b, depth + 1);
         return;
@@ -104,7 +114,8 @@ private:
   const double* wavelengths_;
   int count_;
   double window_, sign_, shortest_;
-  double foot2_;  ///< squared length of the foot of the whole line in the Fresnel plane
+  PlanePoint foot_;  ///< of the whole line in the Fresnel plane
+  double foot2_;     ///< its squared distance from the origin
   bool turns_little_ = false;
   std::complex<double>* field_;
   Double3 x_, y_;
@@ -142,6 +153,75 @@ std::vector<std::vector<Vec3>> welded_positions(std::span<const TriangleSet> set
     for (const Vec3& p : set.positions) positions.push_back(welder.welded(p));
   }
   return welded;
+}
+
+/// Turns around the borders of sheets so that their normals lie in one half of space: faces that are wound in opposite
+/// senses then have borders that continue each other. A border has its face on the same side in both directions.
+void orient_borders(std::vector<MeshEdge>& edges) {
+  for (MeshEdge& edge : edges) {
+    if (!edge.is_boundary || dot(edge.n0, Vec3{1, 0.7f, 0.3f}) >= 0) continue;
+    std::swap(edge.a, edge.b);
+    edge.n0 = -edge.n0;
+  }
+}
+
+/// Removes folds inside faces that lie in one plane within `distance`, such as the diagonals of a thin wall whose corners
+/// are rounded: light along the wall would be diffracted by the diagonal as well as by the wall's edges. Folds of
+/// finely divided round surfaces stay, since all faces that are joined by such folds must lie in the plane.
+void remove_flat_folds(std::vector<MeshEdge>& edges, std::span<const TriangleSet> sets, double distance) {
+  constexpr float kLeastCosine = 0.995f;
+  const auto corner = [&](MeshFace face, std::size_t i) {
+    const TriangleSet& set = sets[face.set];
+    return Double3(set.positions[set.triangles[face.triangle][i]]);
+  };
+  const auto lies_in = [&](MeshFace face, const Double3& p, const Double3& normal) {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (std::abs(dot(corner(face, i) - p, normal)) > distance) return false;
+    return true;
+  };
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers;
+  std::vector<MeshFace> faces;
+  std::vector<std::uint32_t> group;  // of each face: a face nearer to the root of its group
+  const auto number = [&](MeshFace face) {
+    const auto [found, is_new] =
+        numbers.try_emplace(std::uint64_t(face.set) << 32 | face.triangle, std::uint32_t(faces.size()));
+    if (is_new) faces.push_back(face), group.push_back(found->second);
+    return found->second;
+  };
+  const auto root = [&](std::uint32_t i) {
+    while (group[i] != i) i = group[i] = group[group[i]];
+    return i;
+  };
+  std::vector<std::pair<std::size_t, std::uint32_t>> folds;  // edges, and one face of each
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const MeshEdge& edge = edges[i];
+    const Double3 a(edge.a);
+    if (edge.is_boundary || dot(edge.n0, edge.n1) < kLeastCosine ||
+        !lies_in(edge.face1, a, Double3(edge.n0)) || !lies_in(edge.face0, a, Double3(edge.n1)))
+      continue;
+    const std::uint32_t first = number(edge.face0), second = number(edge.face1);
+    group[root(first)] = root(second);
+    folds.emplace_back(i, first);
+  }
+  if (folds.empty()) return;
+  // The plane of a group is that of its largest face.
+  std::vector<Double3> normals(faces.size()), points(faces.size());
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    const Double3 a = corner(faces[i], 0), n = cross(corner(faces[i], 1) - a, corner(faces[i], 2) - a);
+    const std::uint32_t to = root(i);
+    if (length(n) > length(normals[to])) normals[to] = n, points[to] = a;
+  }
+  std::vector<bool> is_flat(faces.size(), true);
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    const std::uint32_t to = root(i);
+    is_flat[to] = is_flat[to] && lies_in(faces[i], points[to], normalize(normals[to]));
+  }
+  std::vector<bool> is_removed(edges.size());
+  for (const auto& [edge, face] : folds) is_removed[edge] = is_flat[root(face)];
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if (!is_removed[i]) edges[count++] = edges[i];
+  edges.resize(count);
 }
 
 /// Joins edges that continue each other straight between equal faces, so that the subdivision of a mesh has
@@ -294,7 +374,11 @@ OutlineEdges::OutlineEdges(const SceneParts& parts) : nm_(1e-9 / parts.context->
   lift_ = shapes.lift;
   reflects_ = shapes.reflects;
   sheet_ = flat_sheets(sets, welded_, kNoSheet);
-  edges_ = joined(find_mesh_edges(sets), sheet_, kNoSheet, welded_);
+  std::vector<MeshEdge> edges = find_mesh_edges(sets);
+  orient_borders(edges);
+  // Edges closer than a twentieth of the wavelength count as one edge elsewhere, too.
+  remove_flat_folds(edges, sets, 2 * double(welded_));
+  edges_ = joined(edges, sheet_, kNoSheet, welded_);
   notes_ = shapes.remarks;
   for (const MeshEdge& edge : edges_) box_.extend(edge.a), box_.extend(edge.b);
   lines_ = EdgeLines(edges_);
@@ -542,7 +626,9 @@ bool OutlineEdges::find_wedge(const MeshEdge& edge, const LightByEdge& light, Ed
     return true;
   };
   if (!angle(-light.in, out.phi_i) || !angle(light.out, out.phi)) return false;
-  const double along = dot(light.in, e), sin2 = std::max(0.0, 1 - along * along);
+  // At the point with the smallest detour, light arrives and leaves at one angle to the edge. Beyond the ends of an edge the
+  // two differ; their mean is the same in reverse.
+  const double sin2 = length(cross(light.in, e)) * length(cross(light.out, e));
   const bool is_infinite = light.s_out >= double(kInfinity);
   out.distance = (is_infinite ? light.s_in : light.s_in * light.s_out / (light.s_in + light.s_out)) * sin2;
   out.sin_beta = std::sqrt(sin2);
