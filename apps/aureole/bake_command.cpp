@@ -67,6 +67,7 @@ int bake(const BakeArguments& a) {
   else
     require_extension(output, splat_extensions(), "splats are written");
   require_writable(output);
+  add_outputs({{"-o", output}});
   LoadOptions load = load_options(a.defines);
   load.integrator = a.integrator;
   load.fallback_integrator = "path";

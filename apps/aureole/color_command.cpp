@@ -106,7 +106,7 @@ std::function<int()> declare_color(CommandOptions& options) {
       .add("colors", o->targets,
            "files of spectra (.csv, .cxf, .cgats), FILE#SAMPLE, #rrggbb, names of HTML, or lab(L, a, b)")
       .required();
-  options.add("--standard", o->standard, "the colour to compare with, stated likewise");
+  options.add("--standard", o->standard, "the colour to compare with, stated likewise").names_input();
   o->light.declare(options, "illuminant of the colours");
   o->differences.declare(options);
   options.add("--json", o->json, "also write the figures to this file").names_output();

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.h"
 
+#include <fmt/format.h>
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <unordered_map>
 
 #include "aureole/core/error.h"
 
@@ -14,16 +18,29 @@ std::vector<Command>& registered() {
   return list;
 }
 
-/// Whether two names lead to one regular file, which need not exist. Devices and pipes take any number of outputs.
-bool is_one_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-  namespace fs = std::filesystem;
+/// A text that all names of one regular file have in common, whether or not it exists. Empty for devices and pipes, which take
+/// any number of outputs.
+std::string identity_of(const std::filesystem::path& file) {
+  if (file.empty()) return "";
+  struct stat status {};
+  if (::stat(file.c_str(), &status) == 0)
+    return S_ISREG(status.st_mode) ? fmt::format("{}:{}", status.st_dev, status.st_ino) : "";
   std::error_code code;
-  if (a.empty() || b.empty()) return false;
-  if (fs::exists(a, code) && !fs::is_regular_file(a, code)) return false;
-  if (fs::equivalent(a, b, code)) return true;
-  const fs::path first = fs::weakly_canonical(fs::absolute(a, code), code);
-  const fs::path second = fs::weakly_canonical(fs::absolute(b, code), code);
-  return !first.empty() && first == second;
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(file, code), code).string();
+}
+
+/// The files of the one command that the process runs, by their identities.
+struct CommandFiles {
+  std::unordered_map<std::string, NamedFile> inputs, outputs;
+};
+CommandFiles& command_files() {
+  static CommandFiles files;
+  return files;
+}
+
+[[noreturn]] void refuse_replacing(const NamedFile& output, const NamedFile& input) {
+  throw Error(output.named_by + " " + output.file.string() + ": would replace " + input.named_by +
+              ", which is read; write to another name");
 }
 
 }  // namespace
@@ -36,16 +53,27 @@ std::vector<Command> commands() {
   return sorted;
 }
 
-void require_distinct_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    const NamedFile& o = outputs[i];
-    for (const NamedFile& input : inputs)
-      if (is_one_file(o.file, input.file))
-        throw Error(o.named_by + " " + o.file.string() + ": would replace " + input.named_by +
-                    ", which is read");
-    for (std::size_t j = 0; j < i; ++j)
-      if (is_one_file(o.file, outputs[j].file))
-        throw Error(o.named_by + " " + o.file.string() + ": is the file of " + outputs[j].named_by + ", too");
+void add_outputs(const std::vector<NamedFile>& outputs) {
+  CommandFiles& files = command_files();
+  for (const NamedFile& output : outputs) {
+    const std::string identity = identity_of(output.file);
+    if (identity.empty()) continue;
+    if (const auto input = files.inputs.find(identity); input != files.inputs.end())
+      refuse_replacing(output, input->second);
+    if (const auto [other, is_new] = files.outputs.emplace(identity, output); !is_new)
+      throw Error(output.named_by + " " + output.file.string() + ": is the file of " +
+                  other->second.named_by + ", too");
+  }
+}
+
+void add_inputs(const std::vector<NamedFile>& inputs) {
+  CommandFiles& files = command_files();
+  for (const NamedFile& input : inputs) {
+    const std::string identity = identity_of(input.file);
+    if (identity.empty()) continue;
+    if (const auto output = files.outputs.find(identity); output != files.outputs.end())
+      refuse_replacing(output->second, input);
+    files.inputs.emplace(identity, input);
   }
 }
 

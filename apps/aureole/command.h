@@ -40,14 +40,20 @@ public:
   CommandOption& between(double min, double max) { return min_ = min, max_ = max, *this; }
   CommandOption& one_of(std::vector<std::string> values) { return choices_ = std::move(values), *this; }
   /// Marks the value, or each of several, as the name of a file that the command writes: the program ends with an error
-  /// before the command runs if it cannot be written, or if it is a file of another option or the command's target.
-  CommandOption& names_output() { return names_output_ = true, *this; }
+  /// before the command runs if it cannot be written, if another output has the name, or if it is a file that the command reads.
+  CommandOption& names_output() { return kind_ = FileKind::output, *this; }
+  /// Marks the value, or each of several, as the name of a file that the command reads, or of a part of one ("file#part"). Words
+  /// that are names of no file do not matter. Positional arguments that are not outputs are inputs without this mark.
+  CommandOption& names_input() { return kind_ = FileKind::input, *this; }
+  /// Marks an input that an output may replace, since the command has read all of it before it writes.
+  CommandOption& names_replaceable_input() { return kind_ = FileKind::replaceable_input, *this; }
 
 private:
   friend class CommandLine;
+  enum class FileKind { none, input, replaceable_input, output };
   std::string names_, help_;
   Target target_;
-  bool names_output_ = false;
+  FileKind kind_ = FileKind::none;
   bool required_ = false, shows_default_ = false;
   /// numbers of values of the option; 0: determined by the target's type
   int values_ = 0, values_each_time_ = 0;
@@ -100,10 +106,13 @@ struct NamedFile {
   std::filesystem::path file;
 };
 
-/// Throws Error where two outputs are one file, or an output is a file that the command reads. Commands call it for files whose
-/// names they derive; it has been called for options with `names_output` and for positional arguments.
-void require_distinct_outputs(const std::vector<NamedFile>& outputs,
-                              const std::vector<NamedFile>& inputs = {});
+/// Adds files that the command of this process writes. Throws Error where two outputs are one file, or an output is an input.
+/// Commands call it for outputs whose names they derive; it has been called for options with `names_output`.
+void add_outputs(const std::vector<NamedFile>& outputs);
+
+/// Adds files that the command of this process reads. Throws Error where an output is an input. It has been called for positional
+/// arguments and for options with `names_input`; `load_options` calls it for all files of a scene.
+void add_inputs(const std::vector<NamedFile>& inputs);
 
 /// Splits options -D name=value; throws Error for any other form.
 std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list);

@@ -127,24 +127,24 @@ private:
 
   /// Throws Error for outputs that cannot be written, or that are files of other options or of the positional arguments.
   static void require_outputs(const CommandOptions& options) {
-    std::vector<NamedFile> outputs, inputs;
+    using Kind = CommandOption::FileKind;
     for (const auto& option : options.all()) {
       const bool is_positional = option->names_[0] != '-';
-      if (!option->names_output_ && !is_positional) continue;
-      for (NamedFile& file : files_of(*option)) {
-        if (!is_positional) {
-          require_writable(file.file);
-          outputs.push_back(std::move(file));
-          continue;
-        }
+      if (option->kind_ != Kind::input && !(is_positional && option->kind_ == Kind::none)) continue;
+      for (const NamedFile& file : files_of(*option)) {
+        const std::string name = (is_positional ? "the " : "") + file.named_by, text = file.file.string();
+        add_inputs({{name, text}});
         // A target such as scene.xml#id is a part of a file.
-        const std::string text = file.file.string();
-        inputs.push_back({"the " + file.named_by, file.file});
         if (const std::size_t mark = text.rfind('#'); mark != text.npos)
-          inputs.push_back({"the " + file.named_by, text.substr(0, mark)});
+          add_inputs({{name, text.substr(0, mark)}});
       }
     }
-    require_distinct_outputs(outputs, inputs);
+    for (const auto& option : options.all()) {
+      if (option->kind_ != Kind::output) continue;
+      const std::vector<NamedFile> outputs = files_of(*option);
+      add_outputs(outputs);
+      for (const NamedFile& output : outputs) require_writable(output.file);
+    }
   }
 
   static void add(CLI::App& sub, const CommandOption& o) {

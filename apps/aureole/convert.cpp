@@ -54,7 +54,9 @@ int convert(ConvertOptions o) {
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<ConvertOptions>();
   ConvertSettings& s = o->settings;
-  options.add("input", o->input, "picture: EXR, HDR, PFM, PNG, JPEG, TIFF, TGA or BMP").required();
+  options.add("input", o->input, "picture: EXR, HDR, PFM, PNG, JPEG, TIFF, TGA or BMP")
+      .required()
+      .names_replaceable_input();
   options
       .add("-o,--output", o->output,
            "picture to write; its extension tells the format: .exr .hdr .pfm .png .jpg .tif")
@@ -75,7 +77,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--high", o->high, "with --false-color: high end of the scale; by default the largest value");
   options.add("--log", s.is_logarithmic, "with --false-color: a logarithmic scale");
   options.add("--contours", s.contours, "with --false-color: number of contours").between(0, 100);
-  options.add("--difference", o->difference, "subtract this picture");
+  options.add("--difference", o->difference, "subtract this picture").names_input();
   options
       .add("--difference-kind", o->difference_kind,
            "absolute, relative (divided by the picture subtracted) or plain (with its sign)")

@@ -107,6 +107,7 @@ std::function<int()> declare(CommandOptions& options) {
       .separated_by(',')
       .takes(2);
   options.add("--lamp", o->lamp, "spectrum: CIE name, file of wavelengths and powers, or wavelength")
+      .names_input()
       .shows_default();
   options.add("--lamp-angle", o->lamp_angle,
               "angular diameter of the source, such as 0.15deg (default: a point)");

@@ -79,9 +79,8 @@ double exposure_of(const ExposeArguments& a, double of_scene) {
   return exposure;
 }
 
-ExposedPicture picture_of_scene(const ExposeArguments& a, const std::vector<NamedFile>& outputs) {
+ExposedPicture picture_of_scene(const ExposeArguments& a) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
-  require_files_stay(outputs, loaded);
   const Film& film = loaded.scene->film();
   const std::vector<std::string> names = film.channel_names();
   const std::string meanings = channels_attribute(names, film.channel_meanings());
@@ -125,15 +124,15 @@ int expose(const ExposeArguments& a) {
   const bool is_scene = lower_extension(a.target) == ".xml";
   std::vector<std::filesystem::path> files(a.outputs.begin(), a.outputs.end());
   if (files.empty()) files.emplace_back(std::filesystem::path(a.target).stem().string() + ".dng");
-  std::vector<NamedFile> outputs;
-  if (!a.electrons.empty()) outputs.push_back({"--electrons", a.electrons});
   for (const std::filesystem::path& file : files) {
-    outputs.push_back({"-o", file});
     if (const std::string kind = lower_extension(file); kind != ".dng" && kind != ".tif" && kind != ".tiff")
       throw Error("-o " + file.string() + ": the output is a .dng, .tif or .tiff file");
-    for (int i = 0; i < a.frames; ++i) require_writable(frame_name(file, a.frame + i, a.frames));
+    for (int i = 0; i < a.frames; ++i) {
+      const std::filesystem::path name = frame_name(file, a.frame + i, a.frames);
+      require_writable(name);
+      add_outputs({{"-o", name}});
+    }
   }
-  require_distinct_outputs(outputs, {{"the target", a.target}});
   CameraModel camera;
   try {
     camera = camera_of(a);
@@ -143,7 +142,7 @@ int expose(const ExposeArguments& a) {
   std::optional<ColorCalibration> colors;
   if (!camera.mosaic.is_mono()) colors = calibrate_colors(camera);
 
-  const ExposedPicture found = is_scene ? picture_of_scene(a, outputs) : picture_of_file(a);
+  const ExposedPicture found = is_scene ? picture_of_scene(a) : picture_of_file(a);
   const SpectralPicture& picture = found.picture;
   const double exposure = exposure_of(a, found.exposure);
   if (picture.is_irradiance)
@@ -201,8 +200,10 @@ std::function<int()> declare_expose(CommandOptions& options) {
       .add("-o,--output", a->outputs,
            "raw picture, .dng or 16-bit .tif; may be repeated (default: the target's name with .dng)")
       .takes_each_time(1);
-  options.add("--camera", a->camera,
-              "camera (.json): keys such as those options, with \"efficiency\" the name of a table");
+  options
+      .add("--camera", a->camera,
+           "camera (.json): keys such as those options, with \"efficiency\" the name of a table")
+      .names_input();
   options.add("--exposure", a->exposure,
               "exposure in seconds (default: from shutter_open to shutter_close of the scene)");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
@@ -218,10 +219,12 @@ std::function<int()> declare_expose(CommandOptions& options) {
       .one_of({"sine", "thin"});
   options.add("--pixel-pitch", a->pitch, "distance of neighbouring pixels in um (default: 4)");
   options.add("--transmission", a->transmission, "of lens and filters (default: 1)");
-  options.add(
-      "--efficiency", a->efficiency,
-      "quantum efficiency: a number (default: 0.5), or a table of wavelengths in nm and one column, or three of red, "
-      "green and blue");
+  options
+      .add(
+          "--efficiency", a->efficiency,
+          "quantum efficiency: a number (default: 0.5), or a table of wavelengths in nm and one column, or three of red, "
+          "green and blue")
+      .names_input();
   options.add("--mosaic", a->mosaic, "filters: mono (the default), rggb, bggr, grbg, gbrg or xtrans");
   options.add("--full-well", a->full_well, "electrons that a pixel holds (default: 20000)");
   options.add("--read-noise", a->read_noise, "standard deviation of reading in electrons (default: 3)");

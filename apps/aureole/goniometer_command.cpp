@@ -330,10 +330,11 @@ std::function<int()> declare_goniometer(CommandOptions& options) {
   options.add("--material", o->material, "write the best model as a <bsdf> element to this file")
       .names_output();
   options.add("--report", o->report, "measure reflectances, reciprocity, energy and isotropy");
-  options.add(
-      "--incident-light", o->incident_light,
-      "in the report: the part that is scattered of light of this radiance by angle from the normal, as "
-      "0:1,60:0.5,90:0.1, or of a picture in latitude and longitude (.exr, .hdr)");
+  options
+      .add("--incident-light", o->incident_light,
+           "in the report: the part that is scattered of light of this radiance by angle from the normal, as "
+           "0:1,60:0.5,90:0.1, or of a picture in latitude and longitude (.exr, .hdr)")
+      .names_input();
   options
       .add(
           "--cones", o->cones,

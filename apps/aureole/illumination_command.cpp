@@ -44,7 +44,6 @@ LoadedScene load_for(const IlluminationArguments& a, bool is_local) {
 IlluminationRuns illuminate(const IlluminationArguments& a, bool is_local,
                             const std::vector<MapRegion>& regions) {
   const LoadedScene loaded = load_for(a, is_local);
-  require_files_stay({{"-o", a.output}, {"--map", a.map}}, loaded);
   if (!a.quiet && !is_local)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const Film& film = loaded.scene->film();
@@ -87,7 +86,6 @@ int illumination(const IlluminationArguments& a) {
   for (const std::string& file : {a.output, a.map}) {
     if (file.empty()) continue;
     if (lower_extension(file) != ".png") throw Error(file + ": the picture is a .png file");
-    require_writable(file);
   }
   stop_on_interrupt();  // also while scenes are loaded
   const IlluminationRuns local = illuminate(a, true, regions), global = illuminate(a, false, regions);

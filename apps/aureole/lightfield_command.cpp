@@ -34,10 +34,8 @@ struct LightFieldArguments {
 };
 
 /// Renders the light field of a scene, and says what its channels hold.
-LightField field_of_scene(const LightFieldArguments& a, const std::vector<NamedFile>& outputs,
-                          std::string& meanings) {
+LightField field_of_scene(const LightFieldArguments& a, std::string& meanings) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
-  require_files_stay(outputs, loaded);
   const Film& film = loaded.scene->film();
   LightField f;
   f.axes = light_field_axes(loaded.scene->sensor().properties(), film);
@@ -91,14 +89,13 @@ int lightfield(const LightFieldArguments& a) {
     throw Error("--field " + field_file.string() + ": the light field is an .exr file");
   require_writable(output);
   if (is_scene) require_writable(field_file);
-  std::vector<NamedFile> outputs{{"-o", output}};
-  if (is_scene) outputs.push_back({"--field", field_file});
-  require_distinct_outputs(outputs, {{"the target", a.target}});
+  add_outputs({{"-o", output}});
+  if (is_scene) add_outputs({{"--field", field_file}});
 
   LightField field;
   std::string meanings;
   if (is_scene) {
-    field = field_of_scene(a, outputs, meanings);
+    field = field_of_scene(a, meanings);
     ExrAttributes attributes;
     attributes.strings[kChannelsAttribute] = meanings;
     attributes.strings[kLightFieldAttribute] = field.axes.text();

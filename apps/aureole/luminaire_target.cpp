@@ -26,6 +26,7 @@ Luminaire measure_luminaire(const LuminaireTarget& a, GoniometryOptions how) {
   settings.gamma_step = a.gamma_step.value_or(settings.gamma_step);
   if (!a.down.empty()) settings.down = a.down;
   settings.along = a.along, settings.tables = table_cache();
+  settings.check_files = keep_files_of_scene;
   const LoadedScene loaded = load_goniophotometer(settings);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);

@@ -41,12 +41,6 @@ void refuse_options(std::initializer_list<std::pair<const char*, bool>> given, c
     if (is_given) throw Error(std::string(option) + ": " + reason);
 }
 
-void require_files_stay(const std::vector<NamedFile>& outputs, const LoadedScene& loaded) {
-  std::vector<NamedFile> inputs;
-  for (const std::filesystem::path& file : loaded.files) inputs.push_back({"a file of the scene", file});
-  require_distinct_outputs(outputs, inputs);
-}
-
 void run_to_end(RenderJob& job) {
   if (job.run(stop_on_interrupt()) == RenderJob::Outcome::interrupted)
     throw Error("interrupted: nothing is written");

@@ -31,9 +31,6 @@ RenderOptions render_options(const std::optional<std::int64_t>& spp, const std::
 /// Throws Error for the first option that is given, with the reason why it does not apply to the command's target.
 void refuse_options(std::initializer_list<std::pair<const char*, bool>> given, const std::string& reason);
 
-/// Throws Error where an output would replace a file that the scene names, such as the .png beside an .exr a texture.
-void require_files_stay(const std::vector<NamedFile>& outputs, const LoadedScene& loaded);
-
 /// Runs a job to its end and prints how many samples were invalid. Throws Error where the user interrupts it.
 void run_to_end(RenderJob& job);
 

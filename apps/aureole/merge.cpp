@@ -16,7 +16,7 @@ namespace {
 /// Returns a hint for a missing file, whose name may be a picture's or that name with ".state" appended.
 std::string where_state_is(const std::filesystem::path& given) {
   std::filesystem::path picture = given;
-  if (picture.extension() == ".state") picture.replace_extension();
+  if (lower_extension(picture) == ".state") picture.replace_extension();
   const std::string extension = lower_extension(picture);
   if (extension != ".exr" && extension != ".hdr" && extension != ".rgbe" && extension != ".pfm") return "";
   const auto state = std::filesystem::path(picture).replace_extension(".state");

@@ -39,15 +39,24 @@ struct MapOfScene {
   std::shared_ptr<const Scene> scene;
 };
 
-MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file,
-                        const std::vector<NamedFile>& outputs) {
+/// Throws Error located at `where` unless daylight factors can be made of the map.
+void require_daylight_map(const PhotometricMap& map, const SourceLocation& where) {
+  try {
+    aureole::require_daylight_map(map.quantity, map.unit);
+  } catch (const Error& e) {
+    throw Error(where, e.message());
+  }
+}
+
+MapOfScene map_of_scene(const PhotometryArguments& a, const std::filesystem::path& picture_file) {
   const LoadedScene loaded = load_measured_scene(a.target, a.defines, a.quiet);
-  require_files_stay(outputs, loaded);
   const std::vector<std::string> names = loaded.scene->film().channel_names();
   const std::string meanings = channels_attribute(names, loaded.scene->film().channel_meanings());
   // The unit is checked before the picture is rendered.
-  photometric_map({.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())},
-                  meanings, a.target);
+  const PhotometricMap empty = photometric_map(
+      {.width = 1, .height = 1, .channels = names, .pixels = std::vector<float>(names.size())}, meanings,
+      a.target);
+  if (a.daylight) require_daylight_map(empty, loaded.scene->sensor().properties().where());
   RenderJob job(loaded, render_options(a.spp, a.seed, a.threads));
   run_to_end(job);
   const Image picture = job.state().picture();
@@ -61,6 +70,7 @@ MapOfScene map_of_picture(const PhotometryArguments& a) {
   const auto found = attributes.strings.find(kChannelsAttribute);
   MapOfScene result{
       photometric_map(picture, found == attributes.strings.end() ? "" : found->second, a.target), nullptr};
+  if (a.daylight) require_daylight_map(result.map, {a.target, 0, 0});
   if (a.scene.empty()) return result;
   LoadOptions load = load_options(a.defines);
   result.scene = load_scene(a.scene, load).scene;
@@ -109,8 +119,6 @@ int photometry(const PhotometryArguments& a) {
       throw Error(fmt::format("--region: {:g} is no number of cells", cell));
   for (const double value : a.isolines)
     if (!std::isfinite(value)) throw Error(fmt::format("--isolines: {:g} is no value of an isoline", value));
-  if (a.threshold && !(*a.threshold > 0))
-    throw Error(fmt::format("--threshold {:g}: must be positive, in cd/m^2", *a.threshold));
   const bool is_scene = lower_extension(a.target) == ".xml";
   if (!is_scene)
     refuse_options({{"--spp", a.spp.has_value()},
@@ -133,23 +141,17 @@ int photometry(const PhotometryArguments& a) {
   const std::filesystem::path exr = std::filesystem::path(png).replace_extension(".exr");
   require_writable(png);
   if (is_scene) require_writable(exr);
-  std::vector<NamedFile> outputs{{"-o", png}};
-  if (is_scene) outputs.push_back({"the picture of -o", exr});
-  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
-  std::vector<NamedFile> inputs{{"the target", a.target}};
-  if (!a.scene.empty()) inputs.push_back({"--scene", a.scene});
-  require_distinct_outputs(outputs, inputs);
+  add_outputs({{"-o", png}});
+  if (is_scene) add_outputs({{"the picture of -o", exr}});
   Vec3 up{0, 0, 1};
   if (!a.up.empty()) up = {float(a.up[0]), float(a.up[1]), float(a.up[2])};
   if (!(length_squared(up) > 0)) throw Error("--up: is no direction");
   up = normalize(up);
 
-  MapOfScene found = is_scene ? map_of_scene(a, exr, outputs) : map_of_picture(a);
+  MapOfScene found = is_scene ? map_of_scene(a, exr) : map_of_picture(a);
   PhotometricMap& map = found.map;
   if (found.scene) map.areas = cell_areas(found.scene->sensor(), map.width, map.height);
   if (a.daylight) {
-    if (map.unit != "lx")
-      throw Error("--daylight: needs a map of the illuminance in lx, not of the " + map.quantity);
     const double open = open_illuminance(*found.scene, up);
     if (!(open > 0)) throw Error("--daylight: the scene has no sky or sun above --up");
     fmt::print("open ground: {:.6g} lx by the emitters at infinity\n", open);
@@ -209,7 +211,7 @@ std::function<int()> declare_photometry(CommandOptions& options) {
       "false-colour .png (default: the target's name with _photometry.png); a scene's .exr lies beside it");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   add_cache_option(options);
-  options.add("--scene", a->scene, "scene of a picture, for --glare and --daylight");
+  options.add("--scene", a->scene, "scene of a picture, for --glare and --daylight").names_input();
   options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores)");
@@ -230,7 +232,7 @@ std::function<int()> declare_photometry(CommandOptions& options) {
   options
       .add("--threshold", a->threshold,
            "luminance of glare sources in cd/m^2 (default: five times the picture's mean)")
-      .between(0, 1e12);
+      .between(1e-6, 1e12);
   options.add("--daylight", a->daylight,
               "print and draw the daylight factor in %: the illuminance over that of the open ground");
   options.add("--up", a->up, "X,Y,Z: upwards in the scene, for --glare and --daylight (default: 0,0,1)")

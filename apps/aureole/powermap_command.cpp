@@ -105,17 +105,16 @@ int powermap(const Arguments& a) {
   const OutputLock lock(output);
   require_writable(output);
   require_writable(png);
-  require_distinct_outputs({{"-o", output}, {"the picture of -o", png}}, {{"the scene", a.settings.scene}});
+  add_outputs({{"-o", output}, {"the picture of -o", png}});
 
   PowerMapSettings settings = a.settings;
   settings.defines = split_defines(a.defines);
-  settings.tables = table_cache();
+  settings.tables = table_cache(), settings.check_files = keep_files_of_scene;
   const LoadedScene loaded = load_power_map(settings);
   if (!a.quiet)
     for (const auto& note : loaded.notes) tell("note: {}\n", note);
   if (!a.quiet)
     for (const auto& note : power_map_notes(settings, loaded)) tell("note: {}\n", note);
-  require_files_stay({{"-o", output}, {"the picture of -o", png}}, loaded);
   require_power_map(*loaded.scene);
   RenderOptions options = render_options(a.spp, a.seed, a.threads);
   options.replicates = a.replicates, options.time_limit_s = a.time_s;

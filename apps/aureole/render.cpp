@@ -434,10 +434,9 @@ int render(const Arguments& a) {
   }
   options.state_file = std::filesystem::path(output).replace_extension(".state");
   if (a.pixel.empty())
-    require_files_stay({{"-o", output},
-                        {"the preview of -o", std::filesystem::path(output).replace_extension(".png")},
-                        {"the checkpoint of -o", options.state_file}},
-                       loaded);
+    add_outputs({{"-o", output},
+                 {"the preview of -o", std::filesystem::path(output).replace_extension(".png")},
+                 {"the checkpoint of -o", options.state_file}});
   if (!a.quiet) print_notes(loaded);
   if (a.denoise) {
     require_denoiser(output);

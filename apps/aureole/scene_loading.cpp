@@ -28,7 +28,14 @@ LoadOptions load_options(const std::vector<std::string>& defines) {
   LoadOptions load;
   load.defines = split_defines(defines);
   load.tables = table_cache();
+  load.check_files = keep_files_of_scene;
   return load;
+}
+
+void keep_files_of_scene(const std::vector<std::filesystem::path>& files) {
+  std::vector<NamedFile> inputs;
+  for (const std::filesystem::path& file : files) inputs.push_back({"a file of the scene", file});
+  add_inputs(inputs);
 }
 
 }  // namespace aureole

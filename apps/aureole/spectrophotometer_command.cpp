@@ -112,14 +112,14 @@ void note_unused(const SpectrophotometerOptions& o) {
   note(s.standard != usual.standard, "--standard", "beside --gloss, whose standard is black glass");
 }
 
-/// Replaces the beam, and the viewed area, by what the options state. An area that is not stated beside another one is the usual one.
-void set_beam(const SpectrophotometerOptions& o, SpectrophotometerSettings& s) {
-  s.lamp_angle = o.lamp_angle.value_or(s.lamp_angle);
-  if (o.aperture.empty() && o.lit.empty()) return;
-  s.viewed_m = SpectrophotometerSettings{}.viewed_m;
-  set_length("--aperture", o.aperture, s.viewed_m);
-  s.lit_m = s.viewed_m + 4e-3;
-  set_length("--lit", o.lit, s.lit_m);
+/// The beam that the options state.
+StatedBeam beam_of(const SpectrophotometerOptions& o) {
+  const auto length = [](const char* option, const std::string& text) {
+    std::optional<double> metres;
+    if (!text.empty()) set_length(option, text, metres.emplace());
+    return metres;
+  };
+  return {o.lamp_angle, length("--aperture", o.aperture), length("--lit", o.lit)};
 }
 
 int spectrophotometer(SpectrophotometerOptions o) {
@@ -132,7 +132,8 @@ int spectrophotometer(SpectrophotometerOptions o) {
     s.method = o.method == "substitution" ? SpectrophotometerSettings::Method::substitution
                : o.method == "absolute"   ? SpectrophotometerSettings::Method::absolute
                                           : SpectrophotometerSettings::Method::comparison;
-  set_beam(o, s);
+  const StatedBeam beam = beam_of(o);
+  set_beam(s, beam);
   set_length("--sample-size", o.sample, s.sample_m);
   set_length("--sphere", o.sphere, s.sphere_m), set_length("--port", o.port, s.port_m);
   double thickness = 0;
@@ -162,7 +163,7 @@ int spectrophotometer(SpectrophotometerOptions o) {
     }
     if (o.haze > 0) {
       SpectrophotometerSettings of_haze = s;
-      use_beam_of_haze(of_haze), set_beam(o, of_haze);
+      use_beam_of_haze(of_haze), set_beam(of_haze, beam);
       const Haze h = measure_haze(bench, loaded.specimen, of_haze, o.haze, weights);
       fmt::print(
           "total transmittance {:.5f} +- {:.5f}, haze beyond {:g} degrees {:.5f} +- {:.5f}, sphere {}\n",

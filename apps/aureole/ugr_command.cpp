@@ -112,23 +112,35 @@ std::string plot_of_ratings(const UgrArguments& a, const UgrTable& t) {
 }
 
 /// Throws Error unless --opening states a luminous opening, which no scene has, with an area towards an observer below it.
-void require_luminous_area(const UgrArguments& a) {
+void require_stated_opening(const UgrArguments& a) {
   if (a.opening.empty())
     throw Error(
         "--opening: is needed for a scene: the size of the luminous opening, by which the luminance is reckoned");
-  const LuminousOpening opening{.size_m = {a.opening[0], a.opening[1], a.opening[2]}};
-  if (!(projected_area(opening, {1, 1, 1}) > 0))
-    throw Error(fmt::format("--opening {:g} {:g} {:g}: has no area, by which the luminance is reckoned",
-                            a.opening[0], a.opening[1], a.opening[2]));
+  require_luminous_area({a.opening[0], a.opening[1], a.opening[2]});
+}
+
+/// A name for the measured luminaire of a scene that no file has: NAME_measured.ies, or with a number behind it.
+std::filesystem::path unused_name(const std::string& scene) {
+  const std::string stem = std::filesystem::path(scene).stem().string() + "_measured";
+  std::filesystem::path file = stem + ".ies";
+  std::error_code ignored;
+  for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(file, ignored)); ++i)
+    file = fmt::format("{}_{}.ies", stem, i);
+  return file;
 }
 
 /// Keeps the luminaire of a scene, whose measurement took long, when the table is interrupted. Returns where it is, for a message.
 std::string where_the_luminaire_is(const UgrArguments& a, const Luminaire& luminaire) {
   if (a.is_file()) return "";
-  const std::string file =
-      a.outputs.empty() ? std::filesystem::path(a.target).stem().string() + "_measured.ies" : a.outputs[0];
-  if (a.outputs.empty()) write_luminaire(file, luminaire);
-  return "; " + file + " is the measured luminaire, which aureole ugr reads";
+  constexpr const char* kIs = " is the measured luminaire, which aureole ugr reads";
+  if (!a.outputs.empty()) return "; " + a.outputs[0] + kIs;
+  try {
+    const WrittenFile written = write_somewhere(
+        unused_name(a.target), [&](const std::filesystem::path& file) { write_luminaire(file, luminaire); });
+    return "; " + written.file.string() + kIs;
+  } catch (const Error& e) {
+    return std::string("; the measured luminaire cannot be kept: ") + e.what();
+  }
 }
 
 int ugr(const UgrArguments& a) {
@@ -137,7 +149,7 @@ int ugr(const UgrArguments& a) {
   if (a.background == "patches") options.background = UgrOptions::Background::patches;
   // Wrong options are reported before a scene is measured.
   require_ugr_spacing(options.spacing);
-  if (!a.is_file()) require_luminous_area(a);
+  if (!a.is_file()) require_stated_opening(a);
   const Luminaire luminaire = luminaire_of(a);
   const std::atomic<bool>& stop = stop_on_interrupt();
   options.between = [&] {

@@ -237,7 +237,13 @@ def photometry(
     rows = regions_of(regions)
     options = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
     of_scene = None if scene is None else _opened(scene)
-    image, name, opened = rendered_or_read("target", target, defines, lambda s: _aureole.photometric_map(_one_pixel(s), "target"), options)
+
+    def check(s: Scene) -> None:
+        empty = _aureole.photometric_map(_one_pixel(s), "target")
+        if wants_daylight:
+            _aureole.require_daylight_map(empty["quantity"], empty["unit"])
+
+    image, name, opened = rendered_or_read("target", target, defines, check, options)
     if opened is not None and of_scene is not None:
         raise Error("scene: is the scene of a picture; the target is a scene itself")
     opened = opened or of_scene
@@ -249,8 +255,7 @@ def photometry(
             raise Error(f"{'glare' if wants_glare else 'daylight'}: needs the camera and the sky of the picture: give its scene")
         ground = float("nan")
         if wants_daylight and opened is not None:
-            if unit != "lx":
-                raise Error(f"daylight: needs a map of the illuminance in lx, not of the {quantity}")
+            _aureole.require_daylight_map(quantity, unit)
             ground = float(_aureole.open_illuminance(opened._open, axis))
             if not ground > 0:
                 raise Error("daylight: the scene has no sky or sun above `up`")

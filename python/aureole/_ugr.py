@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import flag, scalar, text
+from ._arrays import flag, real, scalar, text
 from ._errors import Error
 from ._goniophotometer import LuminaireData, goniophotometer, is_luminaire_file
 from ._instrument_support import Words, tell
@@ -155,8 +155,13 @@ def ugr(
             raise Error(f"{next(iter(luminaire))}: is for a file or a scene; the target has been measured or read")
         data = target
     else:
-        if not is_luminaire_file(target) and luminaire.get("opening") is None:
-            raise Error("opening: is needed for a scene: the size of the luminous opening, by which the luminance is reckoned")
+        if not is_luminaire_file(target):
+            if luminaire.get("opening") is None:
+                raise Error("opening: is needed for a scene: the size of the luminous opening, by which the luminance is reckoned")
+            opening = real("opening", luminaire["opening"])
+            if opening.shape == (3,):  # goniophotometer refuses others
+                with Words():
+                    _aureole.require_luminous_area(opening.tolist())
         data = goniophotometer(target, **luminaire)
     if data.type != "C":
         raise Error("a table of UGR is that of a luminaire of type C, which hangs in a room")

@@ -121,18 +121,13 @@ TraceSettings trace_of(const Options& o, int replicates) {
   return t;
 }
 
-/// Replaces the beam, and the viewed area, by what the options state: numbers that are not NaN. An area that is not stated beside
-/// another one is the usual one.
-void set_beam(const Options& o, SpectrophotometerSettings& s) {
-  const auto given = [&](const char* name, double& value) {
-    if (const double number = o.number(name); !std::isnan(number)) value = number;
+/// The beam that the options state: numbers that are not NaN.
+StatedBeam beam_of(const Options& o) {
+  const auto given = [&](const char* name) {
+    const double number = o.number(name);
+    return std::isnan(number) ? std::optional<double>() : number;
   };
-  given("lamp_angle", s.lamp_angle);
-  if (std::isnan(o.number("aperture")) && std::isnan(o.number("lit"))) return;
-  s.viewed_m = SpectrophotometerSettings{}.viewed_m;
-  given("aperture", s.viewed_m);
-  s.lit_m = s.viewed_m + 4e-3;
-  given("lit", s.lit_m);
+  return {given("lamp_angle"), given("aperture"), given("lit")};
 }
 
 SpectrophotometerSettings spectrophotometer_settings(const Options& o) {
@@ -147,7 +142,7 @@ SpectrophotometerSettings spectrophotometer_settings(const Options& o) {
                                       : Method::comparison;
   s.is_pooled = o.flag("pooled");
   s.by_theory = o.flag("theory"), s.correct_bandwidth = o.flag("correct_bandwidth");
-  set_beam(o, s);
+  set_beam(s, beam_of(o));
   s.sample_m = o.number("sample_size");
   s.sphere_m = o.number("sphere"), s.port_m = o.number("port"), s.wall = o.number("wall");
   s.specular_angle = o.number("specular_port");
@@ -194,7 +189,7 @@ nb::dict spectrophotometer(const nb::object& target, const Defines& defines, con
     }
     if (haze_angle > 0) {
       SpectrophotometerSettings of_haze = s;
-      use_beam_of_haze(of_haze), set_beam(o, of_haze);
+      use_beam_of_haze(of_haze), set_beam(of_haze, beam_of(o));
       haze = measure_haze(bench, m.specimen, of_haze, haze_angle, weights);
     }
     return 0;

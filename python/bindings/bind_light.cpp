@@ -360,7 +360,9 @@ void bind_luminaires(nb::module_& m) {
       },
       nb::arg("file"), nb::arg("lamp_set"), nb::arg("fluxes"), nb::arg("opening").none(),
       nb::arg("keywords"));
+  m.def("require_daylight_map", &require_daylight_map, nb::arg("quantity"), nb::arg("unit"));
   m.def("require_ugr_spacing", &require_ugr_spacing, nb::arg("spacing"));
+  m.def("require_luminous_area", &require_luminous_area, nb::arg("size_m"));
   m.def(
       "ugr_table",
       [](const std::string& text, const std::filesystem::path& name, double spacing, bool has_patches) {

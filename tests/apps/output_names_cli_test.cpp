@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "aureole/core/image.h"
 #include "harness/paths.h"
@@ -39,10 +42,19 @@ protected:
     return end.exit_code;
   }
   void refused(const std::vector<std::string>& arguments, const std::string& message) {
+    const auto before = files();
     EXPECT_EQ(run(arguments), 2) << arguments[0] << ": " << output;
     EXPECT_NE(output.find(message), std::string::npos) << "expected \"" << message << "\" in: " << output;
-    EXPECT_FALSE(fs::exists(folder.path / "x")) << arguments[0];
-    EXPECT_EQ(file_content(folder.path / "lamp.ies"), kOutputPanel) << arguments[0];
+    EXPECT_EQ(files(), before) << arguments[0];
+  }
+  /// The content of each file of the folder but the log of the program.
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path))
+      if (entry.path().filename() != "log.txt")
+        all[entry.path().lexically_relative(folder.path).string()] =
+            entry.is_regular_file() ? file_content(entry.path()) : "";
+    return all;
   }
   TemporaryFolder folder;
   std::string output;
@@ -60,8 +72,8 @@ TEST_F(OutputNames, TwoOutputsOfOneFileAreAnError) {
   for (const auto& words : commands) refused(words, ", too");
   // Names that commands derive: the .exr beside a .png, and the field of a light field.
   refused({"photometry", "grid.xml", "-o", "x.png", "--csv", "x.exr"},
-          "--csv x.exr: is the file of the picture of -o, too");
-  refused({"photometry", "grid.xml", "-o", "x.png", "--csv", "x.png"}, "is the file of -o, too");
+          "the picture of -o x.exr: is the file of --csv, too");
+  refused({"photometry", "grid.xml", "-o", "x.png", "--csv", "x.png"}, "-o x.png: is the file of --csv, too");
   refused({"lightfield", "grid.xml", "-o", "x.exr", "--field", "x.exr"}, "is the file of -o, too");
   refused({"expose", "grid.xml", "-o", "x.tif", "-o", "x.tif"}, "is the file of -o, too");
   refused({"goniophotometer", "lamp.ies", "-o", "x.ies", "-o", "x.ies"},
@@ -75,7 +87,7 @@ TEST_F(OutputNames, TwoOutputsOfOneFileAreAnError) {
 
 TEST_F(OutputNames, WhatIsReadIsNotReplaced) {
   refused({"ugr", "lamp.ies", "--csv", "lamp.ies"},
-          "--csv lamp.ies: would replace the target, which is read");
+          "--csv lamp.ies: would replace the target, which is read; write to another name");
   refused({"goniophotometer", "lamp.ies", "--plot", "./lamp.ies"}, "would replace the target");
   refused({"goniophotometer", "lamp.ies", "-o", "lamp.ies"}, "would replace the target");
   const std::string scene = file_content(folder.path / "m.xml");
@@ -108,6 +120,70 @@ TEST_F(OutputNames, FilesOfASceneStay) {
   EXPECT_EQ(run({"render", "painted.xml", "-o", "u.exr", "-q"}), 0) << output;
 }
 
+TEST_F(OutputNames, PositionalOutputsAreOutputs) {
+  refused({"convert-bsdf", "m.xml#grey", "m.xml"}, "output m.xml: would replace the input");
+  // An output that cannot be written is an error before the report of the conversion is computed and printed.
+  refused({"convert-bsdf", "m.xml#grey", "missing/x.bsdf"}, "missing/x.bsdf");
+  EXPECT_EQ(output.find("m.xml#grey ("), std::string::npos) << output;
+  ASSERT_EQ(run({"convert-bsdf", "m.xml#grey", "grey.csv", "--angles", "3", "--step", "200"}), 0) << output;
+  refused({"convert-bsdf", "grey.csv", "./grey.csv"}, "would replace the input");
+}
+
+TEST_F(OutputNames, FilesOfAMeasuredSceneStay) {
+  const std::string lamp = "<emitter type='photometric'><string name='filename' value='lamp.ies'/></emitter>";
+  folder.write("luminaire.xml", "<scene version='3.0.0'>" + lamp + "</scene>");
+  refused({"goniophotometer", "luminaire.xml", "--spp", "1", "-o", "lamp.ies"},
+          "--output lamp.ies: would replace a file of the scene");
+  refused({"ugr", "luminaire.xml", "--spp", "1", "--opening", "1", "1", "0", "-o", "lamp.ies"},
+          "would replace a file of the scene");
+  // Files that a scene includes are read as well.
+  folder.write("lamp.xml", "<scene version='3.0.0'>" + lamp + "</scene>");
+  std::string scene = file_content(folder.path / "grid.xml");
+  scene.replace(scene.find("<sensor"), 0, "<include filename='lamp.xml'/>");
+  folder.write("main.xml", scene);
+  refused({"photometry", "main.xml", "--csv", "lamp.xml"},
+          "--csv lamp.xml: would replace a file of the scene");
+  folder.write("fog.xml", "<scene version='3.0.0'><include filename='m.xml'/></scene>");
+  refused({"medium", "fog.xml#fog", "--json", "m.xml"}, "would replace a file of the scene");
+  refused({"layer", "fog.xml#grey", "--json", "m.xml"}, "would replace a file of the scene");
+  refused({"goniometer", "fog.xml#grey", "--json", "m.xml"}, "would replace a file of the scene");
+  refused({"spectrophotometer", "fog.xml#grey", "--json", "m.xml"}, "would replace a file of the scene");
+  // The scene of a picture has files, too.
+  ASSERT_EQ(run({"photometry", "grid.xml", "-o", "t.png", "-q"}), 0) << output;
+  scene.replace(
+      scene.find("</shape>"), 0,
+      "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='t.png'/></texture></bsdf>");
+  folder.write("painted.xml", scene);
+  refused({"photometry", "t.exr", "--scene", "painted.xml", "--glare", "-o", "t.png"},
+          "-o t.png: would replace a file of the scene");
+}
+
+TEST_F(OutputNames, InputsThatOptionsNameStay) {
+  ASSERT_EQ(run({"photometry", "grid.xml", "-o", "a.png", "-q"}), 0) << output;
+  ASSERT_EQ(run({"photometry", "grid.xml", "-o", "b.png", "-q"}), 0) << output;
+  refused({"convert", "a.exr", "--difference", "b.exr", "-o", "b.exr"},
+          "--output b.exr: would replace --difference");
+  folder.write("light.csv", "400 1\n700 1\n");
+  refused({"color", "#102030", "--illuminant", "light.csv", "--json", "light.csv"},
+          "--json light.csv: would replace --illuminant");
+  folder.write("camera.json", "{\"bits\": 12}");
+  folder.write("table.csv", "400 0.5\n700 0.5\n");
+  refused({"expose", "grid.xml", "--camera", "camera.json", "--electrons", "camera.json"},
+          "would replace --camera");
+  refused({"expose", "grid.xml", "--efficiency", "table.csv", "--electrons", "table.csv"},
+          "would replace --efficiency");
+  refused({"pigment", "colour", "table.csv", "--standard", "camera.json#1", "--json", "camera.json"},
+          "would replace --standard");
+}
+
+TEST_F(OutputNames, APictureIsConvertedInPlace) {
+  ASSERT_EQ(run({"photometry", "grid.xml", "-o", "a.png", "-q"}), 0) << output;
+  const float before = read_image(folder.path / "a.exr").pixels[0];
+  ASSERT_GT(before, 0);
+  ASSERT_EQ(run({"convert", "a.exr", "--exposure", "1", "-o", "./a.exr"}), 0) << output;
+  EXPECT_FLOAT_EQ(read_image(folder.path / "a.exr").pixels[0], 2 * before);
+}
+
 TEST_F(OutputNames, EmptyValuesAreErrors) {
   refused({"ugr", "lamp.ies", "--csv", ""}, "--csv: needs a value");
   refused({"goniophotometer", "lamp.ies", "--flux", ""}, "--flux: needs a value");
@@ -125,6 +201,10 @@ TEST_F(OutputNames, ExtensionsInAnyCase) {
   EXPECT_TRUE(file_content(folder.path / "b.Ies").starts_with("IES:LM-63"));
   ASSERT_EQ(run({"render", "grid.xml", "-o", "c.EXR", "-q"}), 0) << output;
   EXPECT_EQ(read_image(folder.path / "c.EXR").width, 4);
+  ASSERT_EQ(run({"render", "grid.xml", "-o", "d.exr", "--samples", "0:1", "-q"}), 0) << output;
+  fs::copy(folder.path / "d.state", folder.path / "e.STATE");
+  EXPECT_EQ(run({"info", "e.STATE"}), 0) << output;
+  refused({"merge", "d.exr.STATE", "-o", "m.exr"}, "the state of d.exr is d.state");
 }
 
 // Values that commands used to take for options that are not given.

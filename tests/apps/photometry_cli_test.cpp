@@ -67,6 +67,26 @@ TEST_F(PhotometryCommand, DrawsAndPrintsAnIlluminanceGrid) {
   EXPECT_NE(output.find(" 2000 "), std::string::npos) << output;
 }
 
+// In the open the illuminance on a sphere exceeds that of the ground: over that it is no daylight factor.
+TEST_F(PhotometryCommand, DaylightFactorsAreOfTheIlluminanceOnASurface) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string scene = kGrid;
+    scene.replace(scene.find(from), from.size(), to);
+    return scene;
+  };
+  folder.write("sphere.xml", with("<string name='measure' value='irradiance'/>", ""));
+  refused({"photometry", "sphere.xml", "--daylight", "-o", "x.png"},
+          "sphere.xml:1:51: --daylight: needs the illuminance on a surface, not the spherical illuminance");
+  EXPECT_FALSE(fs::exists(folder.path / "x.exr"));
+  folder.write("cylinder.xml", with("'irradiance'", "'cylindrical'"));
+  refused({"photometry", "cylinder.xml", "--daylight", "-o", "x.png"}, "not the cylindrical illuminance");
+  folder.write("night.xml", with("'illuminance'", "'scotopic_illuminance'"));
+  refused({"photometry", "night.xml", "--daylight", "-o", "x.png"}, "not the scotopic illuminance");
+  ASSERT_EQ(run({"photometry", "sphere.xml", "-o", "y.png", "-q"}), 0) << output;
+  refused({"photometry", "y.exr", "--scene", "sphere.xml", "--daylight", "-o", "x.png"},
+          "y.exr: --daylight: needs the illuminance on a surface");
+}
+
 TEST_F(PhotometryCommand, WritesFilesOfAModelledLuminaire) {
   folder.write(
       "lamp.xml",
@@ -259,7 +279,8 @@ TEST_F(PhotometryCommand, OptionsWithoutEffectAreErrors) {
   refused({"photometry", "a.exr", "-o", "x.png", "-D", "a=1"}, "a picture is done");
   refused({"photometry", "a.exr", "-o", "x.png", "--up", "0,1,0"}, "--up: is for --glare and --daylight");
   refused({"photometry", "a.exr", "-o", "x.png", "--threshold", "500"}, "--threshold: is for --glare");
-  refused({"photometry", "a.exr", "-o", "x.png", "--threshold", "0"}, "--threshold 0: must be positive");
+  refused({"photometry", "a.exr", "-o", "x.png", "--threshold", "0"},
+          "--threshold: Value 0 not in range 0.000001 to 1000000000000");
   refused({"photometry", "a.exr", "-o", "x.png", "--isolines", "100,nan"}, "no value of an isoline");
 }
 
@@ -291,7 +312,9 @@ TEST_F(PhotometryCommand, AnInterruptedTableKeepsTheMeasuredLuminaire) {
             std::string::npos)
       << end.output;
   EXPECT_FALSE(fs::exists(folder.path / "x.csv"));
-  // Without -o it is kept under the scene's name. A signal that comes during the measurement is repeated later.
+  // Without -o it is kept under the scene's name, or that with a number where a file has the name. A signal that comes during the
+  // measurement is repeated later.
+  folder.write("panel_measured.ies", kPanel);
   ProgramEnd later;
   for (int wait_ms = 500; wait_ms <= 16000; wait_ms *= 2) {
     later = interrupt(words, [&] {
@@ -301,8 +324,11 @@ TEST_F(PhotometryCommand, AnInterruptedTableKeepsTheMeasuredLuminaire) {
     if (later.output.find("nothing is written") == std::string::npos) break;
   }
   EXPECT_EQ(later.exit_code, 1) << later.output;
-  ASSERT_TRUE(fs::exists(folder.path / "panel_measured.ies")) << later.output;
-  EXPECT_EQ(read_luminaire(folder.path / "panel_measured.ies").distribution.flux(),
+  EXPECT_EQ(file_content(folder.path / "panel_measured.ies"), kPanel);
+  ASSERT_TRUE(fs::exists(folder.path / "panel_measured_2.ies")) << later.output;
+  EXPECT_NE(later.output.find("; panel_measured_2.ies is the measured luminaire"), std::string::npos)
+      << later.output;
+  EXPECT_EQ(read_luminaire(folder.path / "panel_measured_2.ies").distribution.flux(),
             read_luminaire(folder.path / "kept.ies").distribution.flux());
   EXPECT_NEAR(read_luminaire(folder.path / "kept.ies").opening.size_m[0], 0.6, 1e-9);
 }

@@ -123,6 +123,12 @@ def test_glare_and_daylight(folder):
                                                      lamps='<emitter type="ciesky"><string name="amount" value="10000 lx"/></emitter>'))
     day = aureole.photometry(folder / "sky.day.xml", 4, daylight=True, progress=False)
     assert day.unit == "%" and day.values.mean() == pytest.approx(100, rel=0.02)
+    (folder / "sphere.day.xml").write_text((folder / "sky.day.xml").read_text().replace('<string name="measure" value="irradiance"/>', ""))
+    sphere = aureole.load_file(folder / "sphere.day.xml")
+    image = aureole.render(sphere, 1, progress=False)
+    for target, given in ((sphere, None), (image, sphere)):
+        with pytest.raises(aureole.Error, match="daylight: needs the illuminance on a surface, not the spherical illuminance"):
+            aureole.photometry(target, scene=given, daylight=True, progress=False)
     for wrong, message in (({"up": (0, 0, 1)}, "up: is for glare and daylight"), ({"threshold": 500.0}, "threshold: is for glare"),
                            ({"threads": 2}, "threads: is for a scene")):
         with pytest.raises(aureole.Error, match=message):
@@ -197,6 +203,8 @@ def test_ugr(folder):
         aureole.ugr(folder / "missing.xml", progress=False)
     with pytest.raises(aureole.Error, match="^spacing 0.3: .* whole number"):
         aureole.ugr(folder / "missing.xml", opening=(1, 1, 0), spacing=0.3, progress=False)
+    with pytest.raises(aureole.Error, match="^opening 0 0 0: has no area"):
+        aureole.ugr(folder / "missing.xml", opening=(0, 0, 0), progress=False)
     with pytest.raises(aureole.Error, match=r"panel\.ies: the luminaire has no luminous area, .*: state it by opening"):
         aureole.ugr(folder / "panel.ies", opening=(0, 0, 0))
     measured = aureole.ugr(folder / "lamp.xml", spp=4, c_step=90, gamma_step=5, opening=(0.1, 0.1, 0), progress=False)

@@ -367,6 +367,8 @@ TEST(GridFiles, BadNifti) {
   expect_part(grid_error(with(good, 345, 'x')), "ANALYZE");
   expect_part(grid_error(with(good, 345, 'i')), "does not end in .hdr");
   expect_part(grid_error(with(good, 345, 'i'), {}, "bad.hdr"), "bad.img: no such file");
+  expect_part(grid_error(with(good, 345, 'i'), {}, "bad.HDR"), "bad.img: no such file");
+  expect_part(grid_error(with(good, 345, 'i'), {}, "bad.Hdr.GZ"), "bad.img: no such file");
   expect_part(grid_error("\x1f\x8b\x08 nothing"), "gzip");
 }
 

@@ -404,13 +404,15 @@ std::function<int()> declare(CommandOptions& options) {
       .add("samples", o->samples,
            "table of measured samples, or FILE#SAMPLE for one of them; recipes are not needed")
       .required();
-  options.add("--standard", o->standard, "FILE#SAMPLE: the standard to compare with");
+  options.add("--standard", o->standard, "FILE#SAMPLE: the standard to compare with").names_input();
   o->light.declare(options, "illuminant of the colours");
   o->differences.declare(options);
   options.add("--cie94", o->cie94, "parametric factors of CIE94: graphic_arts (default) or textiles")
       .one_of({"graphic_arts", "textiles"});
-  options.add("--white", o->white,
-              "FILE#SAMPLE: the white or base without colorant, whose K/S is subtracted for the strength");
+  options
+      .add("--white", o->white,
+           "FILE#SAMPLE: the white or base without colorant, whose K/S is subtracted for the strength")
+      .names_input();
   o->surface.declare(options, "the measurements");
   options.add("--to-geometry", o->to_geometry, "convert reflectances to this geometry: diffuse, d8 or 45_0")
       .one_of({"diffuse", "d8", "45_0"});

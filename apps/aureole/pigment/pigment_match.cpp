@@ -284,8 +284,10 @@ std::function<int()> declare(CommandOptions& options) {
           "what recipes minimise: colour (under the illuminant), lamps (under all of them), or spectrum (rms of R)")
       .one_of({"colour", "lamps", "spectrum"})
       .shows_default();
-  options.add("--prices", o->prices,
-              "table of two columns, paint and price per mass: prints the cost of recipes");
+  options
+      .add("--prices", o->prices,
+           "table of two columns, paint and price per mass: prints the cost of recipes")
+      .names_input();
   options.add("--trade-offs", o->trade_offs,
               "print recipes of which no other is better in colour, cost and metamerism at once");
   options.add("--within", o->within, "with --trade-offs: largest colour difference")

@@ -154,6 +154,7 @@ void LightOptions::declare(CommandOptions& options, const std::string& what) {
   options
       .add("--illuminant", illuminant,
            what + ": a name of the CIE, or a file of a measured lamp (wavelength, power)")
+      .names_input()
       .shows_default();
   options
       .add("--observer", observer, "field of the CIE observer in degrees: 2 (1931, the default) or 10 (1964)")

@@ -118,6 +118,7 @@ public:
     }
     stop_at_errors();
     references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
+    if (options.check_files) options.check_files(all_files());
   }
 
   void stop_at_errors() const {
@@ -142,6 +143,13 @@ public:
   std::shared_ptr<const BuildContext> context() const { return {owned_, &owned_->context}; }
 
 private:
+  /// The scene files and the files that they name.
+  std::vector<std::filesystem::path> all_files() const {
+    std::vector<std::filesystem::path> all = references.files;
+    for (const SourceFilePtr& file : parsed_.files) all.push_back(file->path);
+    return all;
+  }
+
   std::shared_ptr<OwnedContext> owned_;
   ParsedScene& parsed_;
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -19,6 +20,9 @@
 #include "aureole/scene/scene.h"
 
 namespace aureole {
+
+/// Callback for the names of files that were read. It may throw to cancel the loading.
+using FileCheck = std::function<void(const std::vector<std::filesystem::path>& files)>;
 
 /// Changes to a scene that the command line requests.
 struct LoadOptions {
@@ -46,6 +50,8 @@ struct LoadOptions {
   std::shared_ptr<TableCache> tables = {};
   TableProgress progress = {};  ///< called during the computation of slow tables; may be null, and may throw
                                 ///< to cancel the loading
+  /// called with the scene files, included ones too, and all files that they name, before a scene is made; may be null
+  FileCheck check_files = {};
 };
 
 /// The result of loading a scene file: the scene, its integrator, and its origin.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -248,6 +249,20 @@ TEST(Spectrophotometer, ErrorOfLuminanceKnowsThatBandsShareTheirPaths) {
   // The mean of z^2 over 16 seeds, of Student's distribution with 15 degrees of freedom: variance 1.154.
   EXPECT_LT(squares / kSeeds, 2.6);
   EXPECT_GT(squares / kSeeds, 0.3);
+}
+
+TEST(Spectrophotometer, AnAreaThatIsNotStatedBesideAnotherIsTheUsualOne) {
+  // As for haze, whose own areas are 2 mm.
+  const auto areas = [](const StatedBeam& stated) {
+    SpectrophotometerSettings s;
+    use_beam_of_haze(s), set_beam(s, stated);
+    return std::array{s.lamp_angle, s.viewed_m, s.lit_m};
+  };
+  EXPECT_EQ(areas({}), (std::array{0.1, 2e-3, 2e-3}));
+  EXPECT_EQ(areas({.lamp_angle = 1.5}), (std::array{1.5, 2e-3, 2e-3}));
+  EXPECT_EQ(areas({.viewed_m = 5e-3}), (std::array{0.1, 5e-3, 5e-3 + 4e-3}));
+  EXPECT_EQ(areas({.lit_m = 30e-3}), (std::array{0.1, 8e-3, 30e-3}));
+  EXPECT_EQ(areas({1.5, 5e-3, 6e-3}), (std::array{1.5, 5e-3, 6e-3}));
 }
 
 Specimen pane_of_index(const std::string& n) {

@@ -108,6 +108,25 @@ TEST(LensFile, SequentialSurfacesOfZmx) {
   EXPECT_NEAR(unknown.glasses[0].index(587.5618), 1.5168, 1e-9);
 }
 
+// A biconvex singlet has its focus some 48 mm behind it, in air; a stop may stand behind the focus.
+TEST(LensFile, ARealImageBeforeAStopIsNotVirtual) {
+  LensSettings settings;
+  settings.fields = {0}, settings.rays = 20;
+  const auto notes_of = [&](const std::string& text) {
+    const LensFigures f = measure_lens(parsed(text), settings);
+    return std::pair(f.film, f.notes.empty() ? "" : f.notes[0]);
+  };
+  const auto near = notes_of("50 3 bk7 20\n-50 20 air 20\ninf 30 air 5 stop\n");
+  EXPECT_GT(near.first, 0);
+  EXPECT_EQ(near.second, "");
+  const auto far = notes_of("50 3 bk7 20\n-50 60 air 20\ninf 30 air 5 stop\n");
+  EXPECT_LT(far.first, 0);
+  EXPECT_NE(far.second.find("is real, but lies "), std::string::npos) << far.second;
+  const auto divergent = notes_of("-50 3 bk7 20\n50 60 air 20\ninf 30 air 5 stop\n");
+  EXPECT_LT(divergent.first, -60);
+  EXPECT_NE(divergent.second.find("is virtual, "), std::string::npos) << divergent.second;
+}
+
 TEST(LensFile, LensesThatPassNoLight) {
   // An asphere that throws all light aside, and a surface before the one that precedes it.
   const LensPrescription aside = parsed("50 3 bk7 20 a4=1e9\n-50 50 air 20 stop\n");

@@ -41,7 +41,7 @@ FileInfo file_info(const std::filesystem::path& file,
   if (is_radiance_grid) return radiance_grid_info(file);
   if (is_volume) return volume_info(file);
   if (holds_splats) return splat_info(file);
-  if (file.extension() == ".state") return state_info(file);
+  if (lower_extension(file) == ".state") return state_info(file);
   if (is_image_file(file)) return picture_info(file);
   throw Error(
       {file.string(), 0, 0},

@@ -385,6 +385,13 @@ void use_beam_of_haze(SpectrophotometerSettings& s) {
   s.lamp_angle = 0.1, s.viewed_m = s.lit_m = 2e-3, s.distance_m = 1;
 }
 
+void set_beam(SpectrophotometerSettings& s, const StatedBeam& stated) {
+  s.lamp_angle = stated.lamp_angle.value_or(s.lamp_angle);
+  if (!stated.viewed_m && !stated.lit_m) return;
+  s.viewed_m = stated.viewed_m.value_or(SpectrophotometerSettings{}.viewed_m);
+  s.lit_m = stated.lit_m.value_or(s.viewed_m + 4e-3);
+}
+
 Haze measure_haze(const Bench& bench, const Specimen& specimen, SpectrophotometerSettings s, double angle,
                   const std::vector<double>& weights) {
   if (!(angle > 0 && angle <= 10))

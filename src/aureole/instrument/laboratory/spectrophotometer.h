@@ -89,6 +89,16 @@ std::vector<double> luminance_weights(const std::vector<double>& nm);
 /// from 1 m away. The usual beam is as wide as the port.
 void use_beam_of_haze(SpectrophotometerSettings& settings);
 
+/// A beam and a viewed area as a user states them: what is not stated is empty.
+struct StatedBeam {
+  std::optional<double> lamp_angle{};  ///< half of the angle under which the sample sees the lamp [degrees]
+  std::optional<double> viewed_m{}, lit_m{};  ///< diameters of the viewed and of the lit area [m]
+};
+
+/// Replaces the beam and the viewed area by stated ones. An area that is not stated beside another one is the usual one: the
+/// viewed area the default of the settings, the lit area 4 mm wider than the viewed one.
+void set_beam(SpectrophotometerSettings& settings, const StatedBeam& stated);
+
 /// Haze: transmitted light that leaves its direction by more than `angle` [degrees], over all transmitted light (ASTM D1003,
 /// ISO 14782), by luminance, for the beam of the settings.
 struct Haze {

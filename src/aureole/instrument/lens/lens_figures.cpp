@@ -11,6 +11,14 @@
 namespace aureole {
 namespace {
 
+/// The position of the last surface with different indices on its sides, behind which rays are straight [mm].
+double last_refracting_vertex(const optics::LensSystem& system, const std::vector<double>& indices) {
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    if (indices[i] != (i == 0 ? 1 : indices[i - 1])) last = i;
+  return system.vertex(last);
+}
+
 LensFigures figures_of_lens(const LensPrescription& lens, const LensSettings& settings) {
   optics::LensSystem system(lens.surfaces);
   const std::vector<double> at_d = lens.indices(kHeliumLine);
@@ -51,10 +59,15 @@ LensFigures figures_of_lens(const LensPrescription& lens, const LensSettings& se
   const double focus = optics::best_focus(system, at_d, kHeliumLine, settings.object);
   system.set_film(focus);
   f.film = focus - last;
-  if (f.film < 0)
+  if (focus < last_refracting_vertex(system, at_d))
     f.notes.push_back(fmt::format(
         "the image of this object is virtual, {:.4g} mm before the last vertex, where no film can lie: spots are those "
         "of the rays behind the lens, extended backwards",
+        -f.film));
+  else if (f.film < 0)
+    f.notes.push_back(fmt::format(
+        "the image of this object is real, but lies {:.4g} mm before the last vertex, a surface that refracts no light: "
+        "spots are those of the rays behind it, extended backwards",
         -f.film));
   const double axial =
       double(optics::object_spot(system, at_d, kHeliumLine, 0, settings.object, settings.rays).points.size());

@@ -64,7 +64,7 @@ GoniophotometerSource goniophotometer_source(const GoniophotometerSettings& s,
   if (s.spp < 1) throw Error(fmt::format("--spp {}: at least one sample per direction is needed", s.spp));
   GoniophotometerSource source;
   source.file = s.scene;
-  source.load.defines = s.defines, source.load.tables = s.tables;
+  source.load.defines = s.defines, source.load.tables = s.tables, source.load.check_files = s.check_files;
   source.load.integrator = s.integrator.empty() ? "ptracer" : s.integrator;
   source.load.progress = progress;
   const std::string element = sensor_element(s);

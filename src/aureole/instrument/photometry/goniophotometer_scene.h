@@ -23,6 +23,7 @@ struct GoniophotometerSettings {
   std::vector<double> down{0, 0, -1};  ///< direction gamma = 0 in the scene, three numbers
   std::vector<double> along;  ///< direction along the luminaire; empty: x, or y where x is along `down`
   std::shared_ptr<TableCache> tables = {};  ///< cache of the scene's tables; null: none
+  FileCheck check_files = {};  ///< called with the files that the scene is read from; may be null
 };
 
 /// Where the scene comes from: a file or a text that is read as the content of a file, in which a sensor may then be replaced.

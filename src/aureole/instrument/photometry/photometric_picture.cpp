@@ -65,6 +65,13 @@ PhotometricMap photometric_map(const Image& picture, const std::string& channels
       "or illuminance for a power map, with pixel_format luminance or xyz");
 }
 
+void require_daylight_map(const std::string& quantity, const std::string& unit) {
+  if (unit == "lx" && quantity == "illuminance") return;
+  if (unit != "lx") throw Error("--daylight: needs a map of the illuminance in lx, not of the " + quantity);
+  throw Error("--daylight: needs the illuminance on a surface, not the " + quantity +
+              ": give the film the quantity \"illuminance\", and a \"powermap\" the measure \"irradiance\"");
+}
+
 bool is_unit_of_flux(const std::string& unit) {
   static const char* const kUnits[] = {"W", "mW", "kW",   "lm",   "klm", "umol/s",
                                        "J", "mJ", "lm s", "lm h", "umol"};

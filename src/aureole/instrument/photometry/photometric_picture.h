@@ -30,6 +30,10 @@ struct PhotometricMap {
 PhotometricMap photometric_map(const Image& picture, const std::string& channels_attribute,
                                const std::string& name);
 
+/// Throws Error unless a map holds the photopic illuminance on a surface, of which a daylight factor is made: the illuminance on a
+/// sphere or a cylinder over that of the open ground is another quantity, which may exceed 100 % in the open.
+void require_daylight_map(const std::string& quantity, const std::string& unit);
+
 /// Whether a channel of the header has a unit that `photometric_map` knows.
 bool has_photometric_unit(const std::string& channels_attribute);
 

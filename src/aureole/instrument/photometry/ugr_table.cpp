@@ -277,6 +277,12 @@ void require_ugr_spacing(double spacing) {
         spacing));
 }
 
+void require_luminous_area(const std::array<double, 3>& size_m) {
+  if (!(projected_area({.size_m = size_m}, {1, 1, 1}) > 0))
+    throw Error(fmt::format("--opening {:g} {:g} {:g}: has no area, by which the luminance is reckoned",
+                            size_m[0], size_m[1], size_m[2]));
+}
+
 UgrTable ugr_table(const Luminaire& luminaire, const UgrOptions& options) {
   if (luminaire.type != optics::PhotometricType::c)
     throw Error("a table of UGR is that of a luminaire of type C, which hangs in a room");

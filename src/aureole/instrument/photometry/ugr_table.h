@@ -76,6 +76,8 @@ struct UgrTable {
 
 /// Throws Error for spacings of which no whole number fills the rooms.
 void require_ugr_spacing(double spacing);
+/// Throws Error for the size of a luminous opening [m], along, across and high, without an area towards an observer below it.
+void require_luminous_area(const std::array<double, 3>& size_m);
 
 /// The table of a luminaire of type C that hangs with gamma = 0 downwards. Crosswise, the half-plane C = 0 of EULUMDAT faces
 /// the observer, and endwise C = 90. Throws Error for luminaires without luminous area and of other types, and for spacings

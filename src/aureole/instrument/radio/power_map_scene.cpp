@@ -100,7 +100,7 @@ PowerMapSource power_map_source(const PowerMapSettings& a) {
   PowerMapSource source;
   LoadOptions& load = source.load;
   load.defines = a.defines;
-  load.tables = a.tables;
+  load.tables = a.tables, load.check_files = a.check_files;
   const bool has_segments = a.diffraction_model == "segments";  // finds more of a lamp's light by `path`
   load.integrator = has_segments && a.integrator.empty() ? "path" : a.integrator;
   if (a.max_depth && *a.max_depth < -1)

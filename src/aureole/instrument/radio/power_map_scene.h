@@ -29,6 +29,7 @@ struct PowerMapSettings {
   std::string frequency;              ///< such as "3.5GHz"
   double cell = 0;                    ///< side of a cell of the plane; 0: 200 cells along the longer side
   std::shared_ptr<TableCache> tables = {};  ///< cache of the scene's tables; null: none
+  FileCheck check_files = {};  ///< called with the files that the scene is read from; may be null
 };
 
 /// Where a scene comes from: a file, or a text that is read as the content of a file.

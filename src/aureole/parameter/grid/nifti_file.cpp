@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "aureole/core/letter_case.h"
 #include "aureole/parameter/grid/grid_reader.h"
 
 namespace aureole::grid_reader {
@@ -151,16 +152,18 @@ void set_place(ScalarGrid& grid, const NiftiHeader& h, const ScalarGridOptions& 
 /// Returns the file that contains the numbers of a separate header file.
 Path image_beside(const Path& file) {
   Path base = file;
-  const bool is_packed = base.extension() == ".gz";
+  const bool is_packed = lower_extension(base) == ".gz";
   if (is_packed) base.replace_extension();
-  if (base.extension() != ".hdr")
+  if (lower_extension(base) != ".hdr")
     throw Error("is a header whose numbers lie in a file .img, but its own name does not end in .hdr");
-  for (const bool packed : {is_packed, !is_packed}) {
-    Path image = base;
-    image.replace_extension(packed ? ".img.gz" : ".img");
-    std::error_code ignored;
-    if (std::filesystem::exists(image, ignored)) return image;
-  }
+  for (const bool packed : {is_packed, !is_packed})
+    for (const char* extension : {".img", ".IMG"}) {
+      Path image = base;
+      image.replace_extension(extension);
+      if (packed) image += extension[1] == 'i' ? ".gz" : ".GZ";
+      std::error_code ignored;
+      if (std::filesystem::exists(image, ignored)) return image;
+    }
   return base.replace_extension(".img");
 }
 

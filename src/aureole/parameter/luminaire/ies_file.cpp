@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "aureole/core/input_file.h"
+#include "aureole/core/letter_case.h"
 #include "aureole/core/units.h"
 #include "aureole/parameter/luminaire/luminaire_reader.h"
 #include "aureole/pigment/text_table.h"
@@ -323,8 +324,7 @@ Luminaire read_ies(const std::string& text, const std::filesystem::path& file,
   LampTilt tilt;
   const std::string_view line = trimmed(tilt_line.text);
   const std::string of_tilt(trimmed(line.substr(5)));
-  std::string upper = of_tilt;
-  for (char& c : upper) c = char(std::toupper(static_cast<unsigned char>(c)));
+  const std::string upper = upper_case(of_tilt);
   if (upper == "INCLUDE") {
     tilt = read_tilt(words);
   } else if (upper.empty()) {
