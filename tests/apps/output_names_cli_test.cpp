@@ -148,6 +148,15 @@ TEST_F(OutputNames, FilesOfAMeasuredSceneStay) {
   refused({"layer", "fog.xml#grey", "--json", "m.xml"}, "would replace a file of the scene");
   refused({"goniometer", "fog.xml#grey", "--json", "m.xml"}, "would replace a file of the scene");
   refused({"spectrophotometer", "fog.xml#grey", "--json", "m.xml"}, "would replace a file of the scene");
+  folder.write(
+      "square.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  folder.write("mesh.xml",
+               "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/>"
+               "<shape type='ply'><string name='filename' value='square.ply'/></shape></scene>");
+  refused({"bake", "mesh.xml", "--to", "pointcloud", "--count", "4", "-o", "square.ply"},
+          "-o square.ply: would replace a file of the scene");
   // The scene of a picture has files, too.
   ASSERT_EQ(run({"photometry", "grid.xml", "-o", "t.png", "-q"}), 0) << output;
   scene.replace(
