@@ -39,6 +39,11 @@ Complex term(double n, double k_distance, double b) {
 Complex both_terms(double n, double k_distance, double angle) {
   return term(n, k_distance, angle) + term(n, k_distance, -angle);
 }
+/// Returns the four terms for the difference and the sum of the angles, those of the sum times the faces' coefficients.
+Complex wedge_terms(double n, double k_distance, double difference, double sum, const WedgeFaces& faces) {
+  return both_terms(n, k_distance, difference) + faces.n * term(n, k_distance, sum) +
+         faces.o * term(n, k_distance, -sum);
+}
 
 /// Returns phi moved away from the boundary of the shadow of a source at phi_i. There `term` is the mean of both
 /// sides, which is 0 for a half plane.
@@ -108,9 +113,8 @@ std::complex<double> Wedge::over_half_plane(double k_distance, double phi, doubl
     faces.o = faded(faces.o, k_distance, phi, phi_i, pi, sum - pi);
     faces.n = faded(faces.n, k_distance, phi, phi_i, n_boundary, n_boundary - sum);
   }
-  const Complex wedge = both_terms(n_, k_distance, difference) + faces.n * term(n_, k_distance, sum) +
-                        faces.o * term(n_, k_distance, -sum);
-  return wedge / both_terms(2, k_distance, difference) * (2 / n_);
+  return wedge_terms(n_, k_distance, difference, sum, faces) / both_terms(2, k_distance, difference) *
+         (2 / n_);
 }
 
 std::complex<double> Wedge::terms_beside_image(double k_distance, double phi, double phi_i,
@@ -121,9 +125,8 @@ std::complex<double> Wedge::terms_beside_image(double k_distance, double phi, do
     const double n_boundary = (2 * n_ - 1) * pi;
     faces.n = faded(faces.n, k_distance, phi, phi_i, n_boundary, n_boundary - sum);
   }
-  const Complex wedge = both_terms(n_, k_distance, difference) + faces.n * term(n_, k_distance, sum) +
-                        faces.o * term(n_, k_distance, -sum);
-  return wedge * (2 / n_) - both_terms(2, k_distance, difference) - faces.o * both_terms(2, k_distance, sum);
+  return wedge_terms(n_, k_distance, difference, sum, faces) * (2 / n_) -
+         both_terms(2, k_distance, difference) - faces.o * both_terms(2, k_distance, sum);
 }
 
 std::complex<double> half_plane_terms(double k_distance, double difference) {
