@@ -246,8 +246,7 @@ private:
     const double end = std::min(line.parameter(passage.begin), line.parameter(passage.end));
     const double along = std::sqrt(std::max(0.0, end * end - v * v) / longest_);
     constexpr double kShort = 0.5, kLong = 1.5;
-    const double t = std::clamp((along - kShort) / (kLong - kShort), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
+    return optics::smooth_step((along - kShort) / (kLong - kShort));
   }
 
   std::size_t find_rows(std::vector<EdgePart>& parts, RowParts& candidates, std::array<Row, kMaxRows>& rows) {

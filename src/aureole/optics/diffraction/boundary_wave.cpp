@@ -172,10 +172,12 @@ Complex wave_past_edge(double v, double w, double along) {
   return factor;
 }
 
-double window_weight(double v, double window) {
-  const double t = std::clamp((std::abs(v) / window - 1) * 3, 0.0, 1.0);
-  return 1 - t * t * (3 - 2 * t);
+double smooth_step(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
 }
+
+double window_weight(double v, double window) { return 1 - smooth_step((std::abs(v) / window - 1) * 3); }
 
 BoundaryPiece::BoundaryPiece(PlanePoint begin, PlanePoint end, PieceObliquity c) : c_middle_(c.middle) {
   double across = begin.x * end.y - begin.y * end.x;

@@ -81,6 +81,9 @@ private:
   double c_[2], c_middle_;
 };
 
+/// Returns a smooth rise: 0 for t <= 0, 1 for t >= 1, and a cubic polynomial between them.
+double smooth_step(double t);
+
 /// Returns a smooth weight: 1 for |v| <= window, 0 for |v| >= 4/3 window.
 double window_weight(double v, double window);
 

@@ -133,8 +133,7 @@ EdgeBlock::EdgeBlock(const OutlineEdges& edges, const EdgePassage& first, const 
   if (!is_above_) {
     constexpr double kNear = 0.1, kFar = 0.25;  // angles from the plane
     const double nearest = std::min(std::abs(height_begin) / s1, std::abs(height_end) / reach_end);
-    const double t = std::clamp((std::asin(std::min(1.0, nearest)) - kNear) / (kFar - kNear), 0.0, 1.0);
-    product_ = t * t * (3 - 2 * t);
+    product_ = optics::smooth_step((std::asin(std::min(1.0, nearest)) - kNear) / (kFar - kNear));
   }
   wedges_[0].phi = std::max(0.0, alone_[0].angle_far), wedges_[1].phi_i = std::max(0.0, alone_[1].angle_far);
   const auto joint_distance = [&](const EdgeWedge& wedge, const Double3& p) {
@@ -224,8 +223,8 @@ std::complex<double> EdgeBlock::over_half_planes(int part, double wavelength,
   double weight = 1;
   if (is_above_) {
     constexpr double kTogether = 0.125, kApart = 0.5;  // detours of reflected light in wavelengths
-    const double t = std::clamp((extra_ / wavelength - kTogether) / (kApart - kTogether), 0.0, 1.0);
-    weight -= t * t * (3 - 2 * t) * std::min(1.0, std::norm(reflected));
+    weight -= optics::smooth_step((extra_ / wavelength - kTogether) / (kApart - kTogether)) *
+              std::min(1.0, std::norm(reflected));
   }
   std::complex<double> added = 0;
   if (product_ < 1) {
